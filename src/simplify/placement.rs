@@ -1,0 +1,143 @@
+//! Placement: where the merged vertex of an edge goes, and what that costs.
+//!
+//! The solved position minimises the sum of both ends' quadrics about the edge's midpoint, then
+//! moves along A⁻¹g until the enclosed volume is kept (Lindstrom & Turk 1998, section 3.2).
+//! `A + λ tr(A) I` makes every system solvable: in flat or straight surroundings the solution
+//! slides towards the midpoint instead of running away. The edges of a vertex are solved four at
+//! a time.
+
+use super::lanes::{Lanes, Lanes3, WIDTH};
+use super::quadric::{Quadric, Vec3};
+
+/// λ. On six models at 10, 2 and 0.5 % the root-mean-square error was 0.417, 0.420 and 0.439 of
+/// the reference for 1e-6, 1e-8 and 1e-3. Below about 1e-6 the rounding of `f32` takes over.
+const REGULARISATION: f32 = 2e-6;
+
+/// How far from the midpoint, in half edges squared, a solved position may be: two edges.
+const REACH: f32 = 16.0;
+
+/// A position for a merged vertex and its cost.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placement {
+    pub(super) position: Vec3,
+    /// Squared distance times area.
+    pub(super) cost: f32,
+}
+
+/// Four quadrics side by side.
+struct Lanes6 {
+    xx: Lanes,
+    xy: Lanes,
+    xz: Lanes,
+    yy: Lanes,
+    yz: Lanes,
+    zz: Lanes,
+}
+
+impl Lanes6 {
+    #[inline(always)]
+    fn gather(q: [&Quadric; WIDTH]) -> Self {
+        let lane = |f: fn(&Quadric) -> f32| Lanes(q.map(f));
+        Self {
+            xx: lane(|q| q.xx),
+            xy: lane(|q| q.xy),
+            xz: lane(|q| q.xz),
+            yy: lane(|q| q.yy),
+            yz: lane(|q| q.yz),
+            zz: lane(|q| q.zz),
+        }
+    }
+
+    #[inline(always)]
+    fn apply(&self, d: Lanes3) -> Lanes3 {
+        Lanes3 {
+            x: self.xx * d.x + self.xy * d.y + self.xz * d.z,
+            y: self.xy * d.x + self.yy * d.y + self.yz * d.z,
+            z: self.xz * d.x + self.yz * d.y + self.zz * d.z,
+        }
+    }
+}
+
+#[inline(always)]
+fn gather3(v: [Vec3; WIDTH]) -> Lanes3 {
+    Lanes3 { x: Lanes(v.map(|v| v.x)), y: Lanes(v.map(|v| v.y)), z: Lanes(v.map(|v| v.z)) }
+}
+
+/// The best free position of each of the edges from `u` (quadric `qu`) to the `v` (`qv`):
+/// minimises (x+h)ᵀAᵤ(x+h) + (x−h)ᵀAᵥ(x−h) subject to the volume constraint, with x relative to
+/// the edge's midpoint and h half the edge.
+#[inline(always)]
+pub(super) fn solve(u: Vec3, qu: &Quadric, v: [Vec3; WIDTH], qv: [&Quadric; WIDTH]) -> [Placement; WIDTH] {
+    let half = Lanes::splat(0.5);
+    let h = gather3(v.map(|v| v - u)).scale(half);
+    let (a, b) = (Lanes6::gather([qu; WIDTH]), Lanes6::gather(qv));
+    let (gu, gv) = (gather3([qu.g; WIDTH]), gather3(qv.map(|q| q.g)));
+    let r = (a.xx + b.xx + a.yy + b.yy + a.zz + b.zz) * Lanes::splat(REGULARISATION);
+    // S = Aᵤ + Aᵥ + r I = L D Lᵀ. Its true pivots are at least r; rounding may not push them below.
+    let least = r * half;
+    let one = Lanes::splat(1.0);
+    let (xy, xz, yz) = (a.xy + b.xy, a.xz + b.xz, a.yz + b.yz);
+    let inverse_d1 = one / (a.xx + b.xx + r);
+    let (l21, l31) = (xy * inverse_d1, xz * inverse_d1);
+    let inverse_d2 = one / (a.yy + b.yy + r - l21 * xy).max(least);
+    let m32 = yz - l31 * xy;
+    let l32 = m32 * inverse_d2;
+    let inverse_d3 = one / (a.zz + b.zz + r - l31 * xz - l32 * m32).max(least);
+    let solve = |w: Lanes3| {
+        let y = w.y - l21 * w.x;
+        let z = (w.z - l31 * w.x - l32 * y) * inverse_d3;
+        let y = y * inverse_d2 - l32 * z;
+        Lanes3 { x: w.x * inverse_d1 - l21 * y - l31 * z, y, z }
+    };
+    let free = solve(b.apply(h) - a.apply(h));
+    let g = gu + gv;
+    let along = solve(g);
+    let curvature = g.dot(along);
+    let missing = (gv - gu).dot(h) - g.dot(free);
+    // Without any curvature this is NaN and the selection below falls back.
+    let kept = free + along.scale(missing / curvature);
+    let limit = h.dot(h) * Lanes::splat(REACH);
+    let zero = Lanes::splat(0.0);
+    let none = Lanes3 { x: zero, y: zero, z: zero };
+    let free = Lanes3::select_within(free.dot(free), limit, free, none);
+    let x = Lanes3::select_within(kept.dot(kept), limit, kept, free);
+    let (from_u, from_v) = (x + h, x - h);
+    let cost = (from_u.dot(a.apply(from_u)) + from_v.dot(b.apply(from_v))).max(zero);
+    let lane = |k: usize| Placement {
+        position: u + Vec3 { x: from_u.x.0[k], y: from_u.y.0[k], z: from_u.z.0[k] },
+        cost: cost.0[k],
+    };
+    [lane(0), lane(1), lane(2), lane(3)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn solve(u: Vec3, qu: &Quadric, v: Vec3, qv: &Quadric) -> Placement {
+        super::solve(u, qu, [v; WIDTH], [qv; WIDTH])[0]
+    }
+
+    fn v(x: f32, y: f32, z: f32) -> Vec3 {
+        Vec3 { x, y, z }
+    }
+
+    #[test]
+    fn a_corner_of_three_planes_is_found() {
+        // u sees the planes x = 1 and y = 0, v the plane z = 2: they meet in (1, 0, 2).
+        let (u, w) = (v(1.0, 0.0, 0.0), v(2.0, 1.0, 2.0));
+        let plane = |n: Vec3| Quadric { g: Vec3::ZERO, ..Quadric::of_triangle(n) };
+        let qu = plane(v(1.0, 0.0, 0.0)) + plane(v(0.0, 1.0, 0.0));
+        let qv = plane(v(0.0, 0.0, 1.0));
+        let found = solve(u, &qu, w, &qv);
+        assert!((found.position - v(1.0, 0.0, 2.0)).length_squared() < 1e-6, "{found:?}");
+        assert!(found.cost < 1e-6);
+    }
+
+    #[test]
+    fn in_a_plane_the_midpoint_is_taken() {
+        let q = Quadric::of_triangle(v(0.0, 0.0, 1.0));
+        let found = solve(v(0.0, 0.0, 5.0), &q, v(2.0, 0.0, 5.0), &q);
+        assert!((found.position - v(1.0, 0.0, 5.0)).length_squared() < 1e-10, "{found:?}");
+    }
+}
