@@ -1,0 +1,174 @@
+//! glTF 2.0: reads the triangles, writes by editing the JSON tree that was read.
+//!
+//! The tree is never rebuilt, so what is not understood here survives: materials, extensions,
+//! extras, names, order. [`container`] takes GLB files apart, [`schema`] checks the JSON with the
+//! `gltf` crate, [`accessor`] decodes, [`read`] makes the mesh; [`write()`] puts a mesh back, with
+//! [`usage`] to know what else needs a buffer view and [`pack`] to lay out the binary chunk.
+//! [`new`] makes a tree for a mesh that came from another format.
+
+mod accessor;
+mod attributes;
+mod column;
+mod container;
+mod json;
+mod new;
+mod pack;
+mod read;
+mod resource;
+mod scene;
+mod schema;
+mod unique;
+mod usage;
+mod write;
+
+use serde_json::Value;
+
+use crate::document::{Format, NamedFile, SceneLayout};
+use crate::error::{Error, Warning};
+use crate::mesh::Mesh;
+
+use accessor::{Data, view_bytes};
+use json::{for_each_extension, items, text};
+use resource::Content;
+
+pub(super) use new::write_new;
+pub(super) use write::write;
+
+/// A glTF file as read.
+#[derive(Debug)]
+pub(super) struct GltfSource {
+    pub(super) format: Format,
+    pub(super) mesh: Mesh,
+    pub(super) layout: SceneLayout,
+    pub(super) warnings: Vec<Warning>,
+    /// The JSON as in the file.
+    tree: Value,
+    files: Vec<NamedFile>,
+    /// One for each entry of `buffers` and of `images` in the tree.
+    buffers: Vec<Content>,
+    images: Vec<Content>,
+    /// One for each group and each wedge set of the mesh.
+    primitives: Vec<PrimitiveSource>,
+    sets: Vec<SetSource>,
+}
+
+/// The primitive that a group is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct PrimitiveSource {
+    mesh: usize,
+    primitive: usize,
+}
+
+/// The accessors of a wedge set.
+#[derive(Debug)]
+struct SetSource {
+    /// `POSITION` first, then one for each attribute of the wedge set.
+    attributes: Vec<AttributeSource>,
+    /// JSON path of the first primitive that uses them.
+    place: String,
+}
+
+/// One attribute of a primitive, or of one of its morph targets.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct AttributeSource {
+    target: Option<usize>,
+    semantic: String,
+    accessor: usize,
+}
+
+/// Reads `files[main]`, a GLB or .gltf; the other files are what it may refer to.
+///
+/// # Errors
+/// A typed [`Error`] whose place is the file's name and a JSON path or byte offset.
+pub(super) fn read(files: Vec<NamedFile>, main: usize, format: Format) -> Result<GltfSource, Error> {
+    let name = files.get(main).map_or_else(String::new, |file| file.name.clone());
+    let in_file = |place: &str| match (name.is_empty(), place.is_empty()) {
+        (true, _) => place.to_owned(),
+        (false, true) => name.clone(),
+        (false, false) => format!("{name}: {place}"),
+    };
+    match read_places(files, main, format) {
+        Ok(mut source) => {
+            source.warnings.iter_mut().for_each(|warning| warning.place = in_file(&warning.place));
+            Ok(source)
+        }
+        Err(error) => Err(Error::new(error.code(), in_file(error.place()), error.message())),
+    }
+}
+
+/// As [`read()`], with places relative to the file.
+fn read_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<GltfSource, Error> {
+    let mut warnings = Vec::new();
+    let bytes = files.get(main).map_or(&[][..], |file| &file.bytes);
+    let (json, binary) = match format {
+        Format::Glb => {
+            let chunks = container::parse(bytes)?;
+            if !chunks.is_padded {
+                let message = "a chunk's length is not a multiple of 4".to_owned();
+                warnings.push(Warning { code: "chunk-padding", message, place: "byte 12".into() });
+            }
+            (&bytes[chunks.json], chunks.binary)
+        }
+        _ => (bytes, None),
+    };
+    let (tree, root) = schema::parse(json, &mut warnings)?;
+    let buffers = resource::load_buffers(&tree, &files, main, binary.as_ref())?;
+    let data = Data { root: &root, tree: &tree, buffers: &buffers, files: &files };
+    // Also those that no triangle needs: they are carried over to the output.
+    for view in 0..root.buffer_views.len() {
+        view_bytes(data, view)?;
+    }
+    let appearances = scene::appearances(data)?;
+    let geometry = read::geometry(data, &appearances.scales, &mut warnings)?;
+    let groups = geometry.primitives.iter().map(|source| scene::label(&tree, source.mesh, source.primitive)).collect();
+    let layout =
+        SceneLayout { groups, instances: appearances.instances, material_libraries: Vec::new(), texture_v_down: true };
+    let images = find_images(&tree, &files, main, &mut warnings);
+    warn_of_lost_extensions(&tree, &mut warnings);
+    Ok(GltfSource {
+        format,
+        mesh: geometry.mesh,
+        layout,
+        warnings,
+        tree,
+        files,
+        buffers,
+        images,
+        primitives: geometry.primitives,
+        sets: geometry.sets,
+    })
+}
+
+/// An image that is not there does not stop anybody from simplifying the mesh.
+fn find_images(tree: &Value, files: &[NamedFile], main: usize, warnings: &mut Vec<Warning>) -> Vec<Content> {
+    let mut find = |(i, image): (usize, &Value)| {
+        let Some(uri) = text(image, "uri") else {
+            return Content::Absent;
+        };
+        let (code, message) = match resource::resolve(uri, files, main) {
+            Ok(Some(content)) => return content,
+            Ok(None) => {
+                let file = resource::shorten(uri);
+                ("missing-image", format!("the file \"{file}\" was not given; the reference to it is kept"))
+            }
+            Err(reason) => ("bad-image", format!("{reason}; kept as it is")),
+        };
+        warnings.push(Warning { code, message, place: format!("images[{i}].uri") });
+        Content::Absent
+    };
+    items(tree, "images").iter().enumerate().map(&mut find).collect()
+}
+
+fn warn_of_lost_extensions(tree: &Value, warnings: &mut Vec<Warning>) {
+    for name in write::VERTEX_EXTENSIONS {
+        let mut used = false;
+        for_each_extension(tree, &mut |found, _| used |= found == name);
+        if used {
+            warnings.push(Warning {
+                code: "extension-dropped",
+                message: format!("{name} numbers the vertices or triangles that change; it is not written"),
+                place: "extensionsUsed".into(),
+            });
+        }
+    }
+}

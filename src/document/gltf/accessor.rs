@@ -1,0 +1,280 @@
+//! Accessors: typed elements in a buffer, every offset checked before the first is read.
+//!
+//! The `gltf` crate's own iterators trust the file's offsets and may panic, so they are not used.
+
+use ::gltf::json::Root;
+use ::gltf::json::accessor::{ComponentType, Type};
+use ::gltf::json::validation::Checked;
+
+use super::json::{extension, items};
+use super::resource::Content;
+use super::schema::MESHOPT_EXTENSIONS;
+use crate::document::NamedFile;
+use crate::error::{Error, ErrorCode};
+
+/// Elements that a file may claim without a byte behind them, so that 100 bytes cannot ask for
+/// gigabytes.
+const MOST_ZEROS: usize = 1 << 24;
+
+/// The file as its accessors see it.
+#[derive(Clone, Copy)]
+pub(super) struct Data<'a> {
+    pub(super) root: &'a Root,
+    pub(super) tree: &'a serde_json::Value,
+    pub(super) buffers: &'a [Content],
+    pub(super) files: &'a [NamedFile],
+}
+
+/// How the numbers of one element are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Layout {
+    pub(super) component: ComponentType,
+    pub(super) shape: Type,
+    pub(super) normalized: bool,
+}
+
+impl Layout {
+    /// Numbers per element, 1 to 16.
+    pub(super) fn components(self) -> usize {
+        self.shape.multiplicity()
+    }
+
+    /// Bytes of one element, without padding after it.
+    pub(super) fn byte_size(self) -> usize {
+        let (columns, rows) = self.grid();
+        (columns - 1) * self.column_stride() + rows * self.component.size()
+    }
+
+    /// Bytes from the start of the element to one of its numbers: matrix columns start at
+    /// multiples of four.
+    pub(super) fn offset(self, component: usize) -> usize {
+        let (_, rows) = self.grid();
+        component / rows * self.column_stride() + component % rows * self.component.size()
+    }
+
+    fn grid(self) -> (usize, usize) {
+        match self.shape {
+            Type::Mat2 => (2, 2),
+            Type::Mat3 => (3, 3),
+            Type::Mat4 => (4, 4),
+            vector => (1, vector.multiplicity()),
+        }
+    }
+
+    fn column_stride(self) -> usize {
+        (self.grid().1 * self.component.size()).next_multiple_of(4)
+    }
+
+    /// The number stored at the start of `bytes`; normalised integers as their fraction.
+    fn decode(self, bytes: &[u8]) -> f32 {
+        let fraction = |value: f32, largest: f32| {
+            if self.normalized { (value / largest).max(-1.0) } else { value }
+        };
+        match (self.component, bytes) {
+            (ComponentType::I8, &[a, ..]) => fraction(f32::from(a as i8), 127.0),
+            (ComponentType::U8, &[a, ..]) => fraction(f32::from(a), 255.0),
+            (ComponentType::I16, &[a, b, ..]) => fraction(f32::from(i16::from_le_bytes([a, b])), 32767.0),
+            (ComponentType::U16, &[a, b, ..]) => fraction(f32::from(u16::from_le_bytes([a, b])), 65535.0),
+            (ComponentType::U32, &[a, b, c, d, ..]) => u32::from_le_bytes([a, b, c, d]) as f32,
+            (ComponentType::F32, &[a, b, c, d, ..]) => f32::from_le_bytes([a, b, c, d]),
+            // Unreachable: the range of every element was checked when the accessor was opened.
+            _ => 0.0,
+        }
+    }
+}
+
+/// The elements of one accessor, ready to be read without further checks.
+#[derive(Debug)]
+pub(super) struct Elements<'a> {
+    pub(super) layout: Layout,
+    pub(super) count: usize,
+    /// From the first element on; `None` where all are zero.
+    bytes: Option<&'a [u8]>,
+    stride: usize,
+    sparse: Option<Sparse<'a>>,
+}
+
+/// The elements that differ from the base; `at` ascends.
+#[derive(Debug)]
+struct Sparse<'a> {
+    at: Vec<u32>,
+    values: &'a [u8],
+}
+
+impl<'a> Elements<'a> {
+    /// Checks an accessor of the file.
+    ///
+    /// # Errors
+    /// `out-of-range` when it reaches past its buffer view, or that past its buffer; `syntax` for
+    /// values that make no sense; `unsupported` for compressed data without a fallback.
+    pub(super) fn open(data: Data<'a>, index: usize) -> Result<Self, Error> {
+        let fail = |code, field: &str, message: String| {
+            let dot = if field.is_empty() { "" } else { "." };
+            Err(Error::new(code, format!("accessors[{index}]{dot}{field}"), message))
+        };
+        let Some(accessor) = data.root.accessors.get(index) else {
+            return fail(ErrorCode::OutOfRange, "", format!("there are {} accessors", data.root.accessors.len()));
+        };
+        let (Checked::Valid(component), Checked::Valid(shape)) = (accessor.component_type, accessor.type_) else {
+            return fail(ErrorCode::Syntax, "componentType", "not a type of glTF 2.0".into());
+        };
+        let layout = Layout { component: component.0, shape, normalized: accessor.normalized };
+        let Some(count) = usize::try_from(accessor.count.0).ok().filter(|&count| count < u32::MAX as usize) else {
+            return fail(ErrorCode::TooLarge, "count", format!("{} elements are too many", accessor.count.0));
+        };
+        if count == 0 {
+            return fail(ErrorCode::Syntax, "count", "an accessor has at least one element".into());
+        }
+        if accessor.buffer_view.is_none() && count > MOST_ZEROS {
+            let message = format!("{count} elements of zeros without a buffer view; at most {MOST_ZEROS} are read");
+            return fail(ErrorCode::TooLarge, "count", message);
+        }
+        let (mut bytes, mut stride) = (None, layout.byte_size());
+        if let Some(view) = accessor.buffer_view {
+            let (content, view_stride) = view_bytes(data, view.value())?;
+            stride = view_stride.unwrap_or(stride);
+            if stride < layout.byte_size() {
+                return Err(Error::new(
+                    ErrorCode::Syntax,
+                    format!("bufferViews[{}].byteStride", view.value()),
+                    format!("{stride} is less than the {} bytes of an element", layout.byte_size()),
+                ));
+            }
+            let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
+            match tail(content, offset, count, stride, layout.byte_size()) {
+                Some(tail) => bytes = Some(tail),
+                None => {
+                    return fail(
+                        ErrorCode::OutOfRange,
+                        "",
+                        format!(
+                            "{count} elements from byte {offset} on reach past the {} bytes of bufferViews[{}]",
+                            content.len(),
+                            view.value()
+                        ),
+                    );
+                }
+            }
+        }
+        let sparse = match &accessor.sparse {
+            None => None,
+            Some(sparse) => {
+                let sparse_count = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
+                if sparse_count == 0 || sparse_count > count {
+                    let message = format!("{} is not between 1 and the accessor's count {count}", sparse.count.0);
+                    return fail(ErrorCode::OutOfRange, "sparse.count", message);
+                }
+                let Checked::Valid(kind) = sparse.indices.component_type else {
+                    return fail(ErrorCode::Syntax, "sparse.indices.componentType", "not an index type".into());
+                };
+                let kind = Layout { component: kind.0, shape: Type::Scalar, normalized: false };
+                let size = kind.byte_size();
+                let (content, _) = view_bytes(data, sparse.indices.buffer_view.value())?;
+                let Some(indices) = tail(content, sparse.indices.byte_offset.0, sparse_count, size, size) else {
+                    let message = format!("{sparse_count} indices reach past their buffer view");
+                    return fail(ErrorCode::OutOfRange, "sparse.indices", message);
+                };
+                let at: Vec<u32> =
+                    (0..sparse_count).map(|i| read_index(kind.component, &indices[i * size..])).collect();
+                if let Some(i) = (0..sparse_count).find(|&i| at[i] as usize >= count || (i > 0 && at[i] <= at[i - 1])) {
+                    let message = format!("index {i} is {}: they must ascend and stay below the count {count}", at[i]);
+                    return fail(ErrorCode::OutOfRange, "sparse.indices", message);
+                }
+                let (content, _) = view_bytes(data, sparse.values.buffer_view.value())?;
+                let size = layout.byte_size();
+                let Some(values) = tail(content, sparse.values.byte_offset.0, sparse_count, size, size) else {
+                    let message = format!("{sparse_count} values reach past their buffer view");
+                    return fail(ErrorCode::OutOfRange, "sparse.values", message);
+                };
+                Some(Sparse { at, values })
+            }
+        };
+        Ok(Self { layout, count, bytes, stride, sparse })
+    }
+
+    /// Appends the numbers of element `index`, which is below `count`.
+    pub(super) fn read(&self, index: usize, out: &mut Vec<f32>) {
+        match self.element(index) {
+            Some(bytes) => out.extend((0..self.layout.components()).map(|c| {
+                let bytes = bytes.get(self.layout.offset(c)..).unwrap_or_default();
+                self.layout.decode(bytes)
+            })),
+            None => out.resize(out.len() + self.layout.components(), 0.0),
+        }
+    }
+
+    /// Element `index` of an accessor of indices: one unsigned integer.
+    pub(super) fn read_index(&self, index: usize) -> u32 {
+        self.element(index).map_or(0, |bytes| read_index(self.layout.component, bytes))
+    }
+
+    fn element(&self, index: usize) -> Option<&[u8]> {
+        if let Some(sparse) = &self.sparse
+            && let Ok(found) = sparse.at.binary_search(&(index as u32))
+        {
+            return sparse.values.get(found * self.layout.byte_size()..);
+        }
+        self.bytes?.get(index * self.stride..)
+    }
+}
+
+fn read_index(component: ComponentType, bytes: &[u8]) -> u32 {
+    match (component, bytes) {
+        (ComponentType::U8, &[a, ..]) => u32::from(a),
+        (ComponentType::U16, &[a, b, ..]) => u32::from(u16::from_le_bytes([a, b])),
+        (_, &[a, b, c, d, ..]) => u32::from_le_bytes([a, b, c, d]),
+        // Unreachable, as in `Layout::decode`.
+        _ => 0,
+    }
+}
+
+/// `bytes` from `offset` on, if `count` elements of `size` bytes, `stride` apart, fit there.
+fn tail(bytes: &[u8], offset: u64, count: usize, stride: usize, size: usize) -> Option<&[u8]> {
+    let needed = (count as u64 - 1).checked_mul(stride as u64)?.checked_add(size as u64)?;
+    let end = offset.checked_add(needed)?;
+    if end > bytes.len() as u64 {
+        return None;
+    }
+    bytes.get(usize::try_from(offset).ok()?..)
+}
+
+/// The bytes of a buffer view, and its stride.
+pub(super) fn view_bytes<'a>(data: Data<'a>, index: usize) -> Result<(&'a [u8], Option<usize>), Error> {
+    let place = || format!("bufferViews[{index}]");
+    let Some(view) = data.root.buffer_views.get(index) else {
+        return Err(Error::new(ErrorCode::OutOfRange, place(), "no such buffer view"));
+    };
+    let buffer = data.buffers.get(view.buffer.value()).and_then(|buffer| buffer.bytes(data.files));
+    let Some(buffer) = buffer else {
+        let json = items(data.tree, "bufferViews").get(index);
+        let packed = MESHOPT_EXTENSIONS.iter().find(|name| json.is_some_and(|json| extension(json, name).is_some()));
+        return Err(match packed {
+            Some(name) => Error::new(
+                ErrorCode::Unsupported,
+                format!("{}.extensions.{name}", place()),
+                "meshopt-compressed geometry cannot be decoded yet",
+            ),
+            None => Error::new(ErrorCode::MissingResource, place(), "its buffer has no data"),
+        });
+    };
+    let (offset, length) = (view.byte_offset.map_or(0, |offset| offset.0), view.byte_length.0);
+    let range = offset.checked_add(length).filter(|&end| end <= buffer.len() as u64).map(|end| offset..end);
+    match range {
+        Some(range) => Ok((&buffer[range.start as usize..range.end as usize], view.byte_stride.map(|stride| stride.0))),
+        None => Err(Error::new(
+            ErrorCode::OutOfRange,
+            place(),
+            format!("{length} bytes from byte {offset} on reach past the {} bytes of its buffer", buffer.len()),
+        )),
+    }
+}
+
+/// The numbers of every element, for small accessors such as a skin's matrices.
+pub(super) fn read_all(data: Data<'_>, index: usize, limit: usize) -> Result<Vec<f32>, Error> {
+    let elements = Elements::open(data, index)?;
+    let mut out = Vec::new();
+    for i in 0..elements.count.min(limit) {
+        elements.read(i, &mut out);
+    }
+    Ok(out)
+}

@@ -1,0 +1,83 @@
+//! Which accessor is which attribute: names, order, and what the names mean.
+
+use ::gltf::json::accessor::Type;
+use serde_json::Value;
+
+use super::json::{index as as_index, items, members};
+use super::{AttributeSource, SetSource};
+use crate::mesh::Blend;
+
+/// The attributes of a primitive in the order of the mesh: `POSITION`, then as in the file with
+/// `WEIGHTS_n` after `JOINTS_n`, then those of the morph targets.
+pub(super) fn list(primitive: &Value) -> Vec<AttributeSource> {
+    let base: Vec<(&str, usize)> =
+        members(primitive, "attributes").filter_map(|(name, accessor)| Some((name, as_index(accessor)?))).collect();
+    let find = |wanted: &str| base.iter().find(|(name, _)| *name == wanted);
+    let source =
+        |target, &(name, accessor): &(&str, usize)| AttributeSource { target, semantic: name.to_owned(), accessor };
+    let mut list: Vec<AttributeSource> = find("POSITION").map(|position| source(None, position)).into_iter().collect();
+    for entry @ (name, _) in &base {
+        let partner = |own: &str, other: &str| name.strip_prefix(own).and_then(|n| find(&format!("{other}{n}")));
+        if *name == "POSITION" || partner("WEIGHTS_", "JOINTS_").is_some() {
+            continue;
+        }
+        list.push(source(None, entry));
+        list.extend(partner("JOINTS_", "WEIGHTS_").map(|weights| source(None, weights)));
+    }
+    for (t, target) in items(primitive, "targets").iter().enumerate() {
+        let deltas = target.as_object().into_iter().flatten();
+        let deltas = deltas.filter_map(|(name, accessor)| Some((name.as_str(), as_index(accessor)?)));
+        list.extend(deltas.map(|delta| source(Some(t), &delta)));
+    }
+    list
+}
+
+impl SetSource {
+    pub(super) fn place_of(&self, attribute: usize) -> String {
+        let source = &self.attributes[attribute];
+        match source.target {
+            Some(target) => format!("{}.targets[{target}].{}", self.place, source.semantic),
+            None => format!("{}.attributes.{}", self.place, source.semantic),
+        }
+    }
+
+    pub(super) fn blend(&self, attribute: usize) -> Blend {
+        let AttributeSource { target, semantic, .. } = &self.attributes[attribute];
+        let beside = |at: Option<usize>, name: String| {
+            at.and_then(|at| self.attributes.get(at)).is_some_and(|a| a.target.is_none() && a.semantic == name)
+        };
+        if target.is_some() {
+            return Blend::Linear;
+        }
+        match semantic.rsplit_once('_').unwrap_or((semantic, "")) {
+            ("NORMAL", "") => Blend::Direction,
+            ("TANGENT", "") => Blend::Tangent,
+            ("TEXCOORD" | "COLOR", _) => Blend::Linear,
+            // Joints or weights without the other mean nothing that could be blended.
+            ("JOINTS", n) if beside(Some(attribute + 1), format!("WEIGHTS_{n}")) => Blend::Joints,
+            ("WEIGHTS", n) if beside(attribute.checked_sub(1), format!("JOINTS_{n}")) => Blend::Weights,
+            _ => Blend::Nearest,
+        }
+    }
+}
+
+impl AttributeSource {
+    /// The name in the mesh.
+    pub(super) fn name(&self) -> String {
+        match self.target {
+            Some(target) => format!("TARGET_{target}/{}", self.semantic),
+            None => self.semantic.clone(),
+        }
+    }
+
+    pub(super) fn allows(&self, shape: Type) -> bool {
+        match self.semantic.split('_').next().unwrap_or_default() {
+            "POSITION" | "NORMAL" => shape == Type::Vec3,
+            "TANGENT" => shape == if self.target.is_some() { Type::Vec3 } else { Type::Vec4 },
+            "TEXCOORD" => shape == Type::Vec2,
+            "COLOR" => matches!(shape, Type::Vec3 | Type::Vec4),
+            "JOINTS" | "WEIGHTS" => shape == Type::Vec4,
+            _ => true,
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! From checked accessors to a [`Mesh`]: every triangle primitive becomes a group.
+
+use ::gltf::json::accessor::{ComponentType, Type};
+use serde_json::Value;
+
+use super::accessor::{Data, Elements};
+use super::json::{extension, index as as_index, items, members, uint};
+use super::schema::DRACO_EXTENSION;
+use super::unique::Unique;
+use super::{PrimitiveSource, SetSource, attributes};
+use crate::error::{Error, ErrorCode, Warning};
+use crate::mesh::{Attribute, Group, Mesh, Part, WedgeSet};
+
+/// Numbers in a mesh (positions, attributes, indices), together 2 GiB: what a 4 GiB wasm memory
+/// can hold besides the file.
+const MOST_NUMBERS: usize = 1 << 29;
+
+/// The mesh and, for the writer, where each of its parts came from.
+pub(super) struct Geometry {
+    pub(super) mesh: Mesh,
+    pub(super) primitives: Vec<PrimitiveSource>,
+    pub(super) sets: Vec<SetSource>,
+}
+
+/// Triangles of one primitive, indices as in the file.
+struct Indexed {
+    source: PrimitiveSource,
+    set: usize,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// Reads all triangle primitives of all meshes; points and lines are passed over.
+///
+/// # Errors
+/// Of [`Elements::open`], and `out-of-range`, `not-finite`, `syntax`, `unsupported` or `too-large`
+/// at the primitive's JSON path.
+pub(super) fn geometry(data: Data<'_>, scales: &[f32], warnings: &mut Vec<Warning>) -> Result<Geometry, Error> {
+    let mut reader = Reader { data, warnings, numbers: 0, slots: Vec::new() };
+    let parts = scales.iter().map(|&scale| Part { scale }).collect();
+    let mut out = Geometry { mesh: Mesh { parts, ..Mesh::default() }, primitives: Vec::new(), sets: Vec::new() };
+    for (m, mesh) in items(data.tree, "meshes").iter().enumerate() {
+        let first_set = out.sets.len();
+        let mut read: Vec<Indexed> = Vec::new();
+        for (p, primitive) in items(mesh, "primitives").iter().enumerate() {
+            let mode = uint(primitive, "mode").unwrap_or(4);
+            if !(4..=6).contains(&mode) {
+                continue;
+            }
+            let place = format!("meshes[{m}].primitives[{p}]");
+            reader.check_draco(primitive, &place)?;
+            let attributes = attributes::list(primitive);
+            let set = match out.sets[first_set..].iter().position(|set: &SetSource| set.attributes == attributes) {
+                Some(known) => first_set + known,
+                None => {
+                    out.sets.push(SetSource { attributes, place: place.clone() });
+                    out.sets.len() - 1
+                }
+            };
+            let triangles = reader.triangles(primitive, mode, &place)?;
+            read.push(Indexed { source: PrimitiveSource { mesh: m, primitive: p }, set, triangles });
+        }
+        for set in first_set..out.sets.len() {
+            let wedges = reader.wedge_set(&out.sets[set], set, m, &mut read, &mut out.mesh)?;
+            out.mesh.wedge_sets.push(wedges);
+        }
+        for Indexed { source, set, triangles } in read {
+            let start = out.mesh.triangles.len();
+            out.mesh.triangles.extend(triangles);
+            out.mesh.groups.push(Group { triangles: start..out.mesh.triangles.len(), wedge_set: set });
+            out.primitives.push(source);
+        }
+    }
+    Ok(out)
+}
+
+struct Reader<'a, 'w> {
+    data: Data<'a>,
+    warnings: &'w mut Vec<Warning>,
+    numbers: usize,
+    /// For each vertex of the set being read, its place among the wedges; `u32::MAX` between sets.
+    slots: Vec<u32>,
+}
+
+impl<'a> Reader<'a, '_> {
+    fn spend(&mut self, numbers: usize, place: &str) -> Result<(), Error> {
+        self.numbers = self.numbers.saturating_add(numbers);
+        if self.numbers > MOST_NUMBERS {
+            return Err(Error::new(ErrorCode::TooLarge, place, "the geometry does not fit into 2 GiB of memory"));
+        }
+        Ok(())
+    }
+
+    /// Draco data without an uncompressed copy would read as zeros.
+    fn check_draco(&self, primitive: &Value, place: &str) -> Result<(), Error> {
+        if extension(primitive, DRACO_EXTENSION).is_none() {
+            return Ok(());
+        }
+        let accessors = items(self.data.tree, "accessors");
+        let mut used = members(primitive, "attributes").map(|(_, v)| v).chain(primitive.get("indices"));
+        let has_copy = |accessor: &Value| {
+            let accessor = as_index(accessor).and_then(|accessor| accessors.get(accessor));
+            accessor.is_none_or(|json| json.get("bufferView").is_some() || json.get("sparse").is_some())
+        };
+        if used.all(has_copy) {
+            return Ok(());
+        }
+        let place = format!("{place}.extensions.{DRACO_EXTENSION}");
+        Err(Error::new(ErrorCode::Unsupported, place, "Draco-compressed geometry cannot be decoded yet"))
+    }
+
+    fn triangles(&mut self, primitive: &Value, mode: usize, place: &str) -> Result<Vec<[u32; 3]>, Error> {
+        let Some(position) = uint(&primitive["attributes"], "POSITION") else {
+            let place = format!("{place}.attributes.POSITION");
+            return Err(Error::new(ErrorCode::Syntax, place, "triangles without positions"));
+        };
+        let vertex_count = Elements::open(self.data, position)?.count;
+        let indices = match uint(primitive, "indices") {
+            None => None,
+            Some(accessor) => Some(self.indices(accessor, vertex_count, &format!("{place}.indices"))?),
+        };
+        let count = indices.as_ref().map_or(vertex_count, Vec::len);
+        self.spend(count.saturating_mul(if mode == 4 { 1 } else { 3 }), place)?;
+        let at = |i: usize| indices.as_ref().map_or(i as u32, |indices| indices[i]);
+        Ok(match mode {
+            4 => (0..count / 3).map(|t| [at(3 * t), at(3 * t + 1), at(3 * t + 2)]).collect(),
+            // Every other triangle of a strip is turned round; repeated indices only stitch.
+            5 => (2..count)
+                .map(|i| if i % 2 == 0 { [at(i - 2), at(i - 1), at(i)] } else { [at(i - 1), at(i - 2), at(i)] })
+                .filter(is_proper)
+                .collect(),
+            _ => (2..count).map(|i| [at(i - 1), at(i), at(0)]).filter(is_proper).collect(),
+        })
+    }
+
+    fn indices(&self, accessor: usize, vertex_count: usize, place: &str) -> Result<Vec<u32>, Error> {
+        let elements = Elements::open(self.data, accessor)?;
+        let layout = elements.layout;
+        let restart = match (layout.shape, layout.component) {
+            (Type::Scalar, ComponentType::U8) => u32::from(u8::MAX),
+            (Type::Scalar, ComponentType::U16) => u32::from(u16::MAX),
+            (Type::Scalar, ComponentType::U32) => u32::MAX,
+            _ => {
+                return Err(Error::new(ErrorCode::Syntax, place, "indices must be unsigned integers"));
+            }
+        };
+        let mut indices = Vec::with_capacity(elements.count);
+        for i in 0..elements.count {
+            let index = elements.read_index(i);
+            if index as usize >= vertex_count || index == restart {
+                let reason = if index == restart {
+                    format!("index {i} is {index}, which is reserved for primitive restart")
+                } else {
+                    format!("index {i} is {index}, but there are {vertex_count} vertices")
+                };
+                return Err(Error::new(ErrorCode::OutOfRange, place, reason));
+            }
+            indices.push(index);
+        }
+        Ok(indices)
+    }
+
+    /// Reads the vertices that `primitives` use of a set, each distinct one once, and turns their
+    /// indices into wedges of the mesh.
+    fn wedge_set(
+        &mut self,
+        source: &SetSource,
+        set: usize,
+        part: usize,
+        primitives: &mut [Indexed],
+        mesh: &mut Mesh,
+    ) -> Result<WedgeSet, Error> {
+        let columns = self.open_columns(source)?;
+        let vertex_count = columns.first().map_or(0, |column| column.count);
+        self.slots.resize(self.slots.len().max(vertex_count), u32::MAX);
+        let mut used = Vec::new();
+        let mine = |primitive: &&mut Indexed| primitive.set == set;
+        for &vertex in primitives.iter_mut().filter(mine).flat_map(|p| p.triangles.iter().flatten()) {
+            if std::mem::replace(&mut self.slots[vertex as usize], 0) == u32::MAX {
+                used.push(vertex);
+            }
+        }
+        used.sort_unstable();
+        let width: usize = columns.iter().map(|column| column.layout.components()).sum();
+        self.spend(used.len().saturating_mul(width), &source.place)?;
+
+        let start = mesh.positions.len();
+        let mut unique = Unique::new(width, used.len());
+        let mut wedge = Vec::with_capacity(width);
+        let mut repaired = vec![0usize; columns.len()];
+        for &vertex in &used {
+            wedge.clear();
+            for (column, repaired) in columns.iter().zip(&mut repaired) {
+                let first = wedge.len();
+                column.read(vertex as usize, &mut wedge);
+                if wedge[first..].iter().all(|value| value.is_finite()) {
+                    continue;
+                }
+                if first == 0 {
+                    let message = format!("vertex {vertex} is not finite");
+                    return Err(Error::new(ErrorCode::NotFinite, source.place_of(0), message));
+                }
+                *repaired += 1;
+                wedge[first..].iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
+            }
+            self.slots[vertex as usize] = start as u32 + unique.insert(&wedge);
+        }
+        for primitive in primitives.iter_mut().filter(mine) {
+            primitive.triangles.iter_mut().flatten().for_each(|vertex| *vertex = self.slots[*vertex as usize]);
+        }
+        used.iter().for_each(|&vertex| self.slots[vertex as usize] = u32::MAX);
+        for (k, &count) in repaired.iter().enumerate().filter(|(_, count)| **count > 0) {
+            self.warnings.push(Warning {
+                code: "not-finite",
+                message: format!("{count} vertices had values that are not finite; they are 0 now"),
+                place: source.place_of(k),
+            });
+        }
+        let rows = unique.rows();
+        mesh.positions.extend(rows.clone().map(|row| [row[0], row[1], row[2]]));
+        let mut offset = 0;
+        let mut attributes = Vec::new();
+        for (k, column) in columns.iter().enumerate() {
+            let components = column.layout.components();
+            if k > 0 {
+                let values = rows.clone().flat_map(|row| &row[offset..offset + components]).copied().collect();
+                let blend = source.blend(k);
+                attributes.push(Attribute { name: source.attributes[k].name(), components, values, blend });
+            }
+            offset += components;
+        }
+        Ok(WedgeSet { wedges: start..mesh.positions.len(), part, attributes })
+    }
+
+    fn open_columns(&mut self, source: &SetSource) -> Result<Vec<Elements<'a>>, Error> {
+        let mut columns: Vec<Elements<'a>> = Vec::new();
+        for (k, attribute) in source.attributes.iter().enumerate() {
+            let column = Elements::open(self.data, attribute.accessor)?;
+            if !attribute.allows(column.layout.shape) {
+                let message = format!("{} cannot be {:?}", attribute.semantic, column.layout.shape);
+                return Err(Error::new(ErrorCode::Syntax, source.place_of(k), message));
+            }
+            if let Some(first) = columns.first().filter(|first| first.count != column.count) {
+                let message = format!("{} elements, but POSITION has {}", column.count, first.count);
+                return Err(Error::new(ErrorCode::Syntax, source.place_of(k), message));
+            }
+            // An f32 holds every integer only up to 2^24.
+            if column.layout.component == ComponentType::U32 {
+                let message = "32-bit integers are not allowed as vertex attributes";
+                return Err(Error::new(ErrorCode::Unsupported, source.place_of(k), message));
+            }
+            columns.push(column);
+        }
+        Ok(columns)
+    }
+}
+
+fn is_proper([a, b, c]: &[u32; 3]) -> bool {
+    a != b && b != c && c != a
+}
