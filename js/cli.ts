@@ -1,0 +1,164 @@
+#!/usr/bin/env node
+// The command line: reads the arguments, takes each file through, reports.
+
+import { readFile } from 'node:fs/promises';
+import { basename } from 'node:path';
+import { HELP, readArguments, usage, type Command, type Job } from './cli/arguments.js';
+import { readInput } from './cli/input.js';
+import { checkWritable, makeDirectory, outputFormat, pathIn, refuseInputs, usualFormat, writeWhole } from './cli/output.js';
+import { ProgressLine, errorLine, resultLine, warningLine } from './cli/text.js';
+import { openFiles } from './document.js';
+import { init } from './engine.js';
+import { DecimeshError, errorToData, type ErrorData } from './errors.js';
+import type { Report } from './report.js';
+import type { Warning } from './types.js';
+
+/** In place of a report, for a file among several that failed. */
+interface FailedReport {
+  readonly input: { readonly path: string };
+  readonly error: ErrorData;
+}
+
+/** Of a file with thousands of the same fault a few warnings are enough; the report has them all. */
+const MOST_WARNINGS = 10;
+
+const EXIT = { done: 0, fault: 1, usage: 2, input: 3, output: 4 } as const;
+
+const progress = new ProgressLine(process.stderr);
+
+async function main(): Promise<number> {
+  // Whoever reads our output may have read enough.
+  process.stdout.on('error', () => {});
+  // A signal is handled between steps and not in the middle of writing a file.
+  for (const [signal, code] of [['SIGINT', 130], ['SIGTERM', 143]] as const) {
+    process.on(signal, () => {
+      progress.clear();
+      process.exit(code);
+    });
+  }
+  let command: Command;
+  try {
+    command = readArguments(process.argv.slice(2));
+    if (command.action === 'simplify') checkOutputs(command);
+  } catch (error) {
+    return fail(error, undefined);
+  }
+  if (command.action === 'help') {
+    process.stdout.write(HELP);
+    return EXIT.done;
+  }
+  if (command.action === 'version') {
+    const { version } = JSON.parse(await readFile(new URL('../package.json', import.meta.url), 'utf8')) as { version: string };
+    process.stdout.write(`${version}\n`);
+    return EXIT.done;
+  }
+  return simplifyAll(command);
+}
+
+/** What can be known to be wrong about the outputs before anything is read. */
+function checkOutputs({ inputs, output, directory }: Job): void {
+  if (output !== undefined) {
+    outputFormat(output);
+    refuseInputs(output, inputs);
+  }
+  if (directory === undefined) return;
+  const names = new Map<string, string>();
+  for (const input of inputs) {
+    // Without the extension: which one it will be is known when the file was read.
+    const name = basename(pathIn(directory, input, 'glb'));
+    const other = names.get(name);
+    if (other !== undefined) throw usage('-d', `'${other}' and '${input}' would be written to the same file`);
+    names.set(name, input);
+  }
+}
+
+async function simplifyAll(job: Job): Promise<number> {
+  const { inputs, directory, json } = job;
+  try {
+    await init();
+    if (directory !== undefined) makeDirectory(directory);
+  } catch (error) {
+    return fail(error, undefined);
+  }
+  const reports: Array<Report | FailedReport> = [];
+  let exitCode: number = EXIT.done;
+  for (const [index, path] of inputs.entries()) {
+    const label = inputs.length > 1 ? `[${index + 1}/${inputs.length}] ${path}` : path;
+    try {
+      reports.push(await simplifyOne(path, label, job));
+    } catch (error) {
+      const code = fail(error, path);
+      exitCode ||= code;
+      reports.push({ input: { path }, error: errorToData(error) });
+    }
+  }
+  const single = inputs.length === 1;
+  if (json && !(single && exitCode !== EXIT.done)) {
+    process.stdout.write(`${JSON.stringify(single ? reports[0] : reports, undefined, 2)}\n`);
+  }
+  return exitCode;
+}
+
+async function simplifyOne(path: string, label: string, job: Job): Promise<Report> {
+  progress.show(`${label}: reading`);
+  const start = performance.now();
+  const input = await readInput(path);
+  const document = openFiles(input.files);
+  const read = performance.now() - start;
+  try {
+    const { output: named, directory, options, ignored, json } = job;
+    const format = named === undefined ? usualFormat(document.summary.format) : outputFormat(named);
+    const output = named ?? (directory === undefined ? undefined : pathIn(directory, path, format));
+    if (output !== undefined) {
+      refuseInputs(output, job.inputs);
+      checkWritable(output);
+    }
+    await document.simplify({
+      ...options,
+      onProgress: (fraction) => progress.show(`${label}: ${Math.floor(100 * fraction)} %`),
+    });
+    const start = performance.now();
+    const written = await document.write({ format });
+    if (output !== undefined) writeWhole(output, written.bytes);
+    const write = performance.now() - start;
+    const warnings = [...input.warnings, ...written.report.warnings, ...ignored.map(ignoredWarning)];
+    const report: Report = {
+      ...written.report,
+      input: { ...written.report.input, path },
+      output: { ...written.report.output, path: output ?? null },
+      timings: { ...written.report.timings, read, write },
+      warnings,
+    };
+    progress.clear();
+    tellWarnings(warnings, path);
+    if (!json) process.stdout.write(`${resultLine(report, document.summary.diagonal)}\n`);
+    return report;
+  } finally {
+    document.dispose();
+  }
+}
+
+function ignoredWarning(option: string): Warning {
+  return { code: 'ignored-option', message: 'has no effect yet', where: option };
+}
+
+function tellWarnings(warnings: readonly Warning[], path: string): void {
+  for (const warning of warnings.slice(0, MOST_WARNINGS)) process.stderr.write(`${warningLine(warning, path)}\n`);
+  if (warnings.length > MOST_WARNINGS) process.stderr.write(`warning: ${warnings.length - MOST_WARNINGS} more\n`);
+}
+
+/** Says on one line what failed and returns the exit code for it. */
+function fail(error: unknown, path: string | undefined): number {
+  progress.clear();
+  if (!(error instanceof DecimeshError)) {
+    process.stderr.write(`${errorLine(new DecimeshError('internal', errorToData(error).message), path)}\n`);
+    return EXIT.fault;
+  }
+  process.stderr.write(`${errorLine(error, path)}\n`);
+  if (error.code === 'usage') return EXIT.usage;
+  if (error.code === 'cannot-write') return EXIT.output;
+  // The engine's own file is part of this program.
+  return error.code === 'internal' || path === undefined ? EXIT.fault : EXIT.input;
+}
+
+process.exitCode = await main();

@@ -1,0 +1,160 @@
+// The command line's arguments: what is allowed, and what it means.
+
+import { parseArgs, type ParseArgsConfig } from 'node:util';
+import { DecimeshError } from '../errors.js';
+import type { SimplifyOptions } from '../types.js';
+
+/** Files to simplify, and how. */
+export interface Job {
+  readonly action: 'simplify';
+  /** At least one. */
+  readonly inputs: readonly string[];
+  /** At most one of `output` and `directory` is set, and one is unless `json` is. */
+  readonly output: string | undefined;
+  readonly directory: string | undefined;
+  readonly options: SimplifyOptions;
+  /** Options that were given but have no effect yet. */
+  readonly ignored: readonly string[];
+  readonly json: boolean;
+}
+
+/** What the user asked for. */
+export type Command = Job | { readonly action: 'help' } | { readonly action: 'version' };
+
+export const HELP = `decimesh: fewer triangles for glTF and OBJ models, with the same look
+
+  decimesh INPUT -o OUTPUT [options]     one file; its format by the extension, .glb or .obj
+  decimesh INPUTS… -d DIR [options]      many files, into a directory that is made if need be
+  decimesh INPUT --json [options]        only a report
+
+Input is .glb, .gltf (its files are looked for in its folder and below) or .obj, whatever the extension says.
+
+How far (name one; of several, the first that is reached stops):
+  -r, --ratio R        keep this share of the triangles, 0 to 1
+  -t, --triangles N    at most N triangles in the whole file
+  -e, --error E        estimated deviation, 0.1% of the bounding box's diagonal or a number in model units
+
+How:
+  --placement RULE     optimal (default): new vertex positions; subset: only original ones
+  --lock-border        open borders do not move
+  --preset NAME        fast, balanced (default) or best; accepted, but there is only one way to work yet
+
+Output:
+  -o, --output FILE    replaced only when all went well; never the input itself
+  -d, --directory DIR  INPUT.glb, or .obj for OBJ input
+  --compress none      the only encoding yet
+  --json               a report on standard output: an object, or an array of them for several inputs
+  -h, --help           this text
+  --version            the version
+
+Not supported yet: --size, --lods, --quantize, --measure, --compress meshopt|draco.
+
+Exit codes: 0 done, also when a target could not be reached (the report's stopReason says so); 1 a fault of this
+program; 2 wrong usage; 3 unreadable or invalid input; 4 could not write. With many inputs the others go on when one
+fails, and the code is that of the first failure.
+`;
+
+const OPTIONS = {
+  ratio: { type: 'string', short: 'r' },
+  triangles: { type: 'string', short: 't' },
+  error: { type: 'string', short: 'e' },
+  size: { type: 'string', short: 's' },
+  lods: { type: 'string' },
+  placement: { type: 'string' },
+  preset: { type: 'string' },
+  'lock-border': { type: 'boolean' },
+  compress: { type: 'string' },
+  quantize: { type: 'boolean' },
+  measure: { type: 'boolean' },
+  output: { type: 'string', short: 'o' },
+  directory: { type: 'string', short: 'd' },
+  json: { type: 'boolean' },
+  help: { type: 'boolean', short: 'h' },
+  version: { type: 'boolean' },
+} as const satisfies NonNullable<ParseArgsConfig['options']>;
+
+type Values = ReturnType<typeof parse>['values'];
+
+function parse(args: readonly string[]) {
+  return parseArgs({ args: [...args], options: OPTIONS, allowPositionals: true, strict: true });
+}
+
+/** What `args` (without the program's name) ask for; throws `usage` naming the argument that is wrong. */
+export function readArguments(args: readonly string[]): Command {
+  let parsed: ReturnType<typeof parse>;
+  try {
+    parsed = parse(args);
+  } catch (error) {
+    // The first sentence names the argument; what follows advises on the use of `--`.
+    const reason = error instanceof Error ? error.message : String(error);
+    throw usage('arguments', (reason.split(/\. |\n/)[0] ?? reason).replace(/\.$/, ''));
+  }
+  const { values, positionals: inputs } = parsed;
+  if (values.help) return { action: 'help' };
+  if (values.version) return { action: 'version' };
+  refuseUnsupported(values);
+  if (inputs.length === 0) throw usage('INPUT', 'name a file; see decimesh --help');
+  const { output, directory, json = false } = values;
+  if (output !== undefined && directory !== undefined) throw usage('-o, -d', 'name one of the two');
+  if (output !== undefined && inputs.length > 1) throw usage('-o', 'takes one input; use -d DIR for several');
+  if (output === undefined && directory === undefined && !json) {
+    throw usage('-o', 'name an output with -o FILE or -d DIR, or ask for a report alone with --json');
+  }
+  for (const [name, value] of Object.entries({ '-o': output, '-d': directory })) {
+    if (value === '') throw usage(name, 'must not be empty');
+  }
+  return { action: 'simplify', inputs, output, directory, json, options: simplifyOptions(values), ignored: ignored(values) };
+}
+
+function refuseUnsupported({ size, lods, quantize, measure, compress }: Values): void {
+  for (const [name, value] of Object.entries({ size, lods, quantize, measure })) {
+    if (value !== undefined && value !== false) throw usage(`--${name}`, 'is not supported yet');
+  }
+  if (compress === undefined || compress === 'none') return;
+  const known = compress === 'meshopt' || compress === 'draco';
+  throw usage('--compress', known ? `${compress} is not supported yet` : `must be none, not '${compress}'`);
+}
+
+function simplifyOptions(values: Values): SimplifyOptions {
+  const { ratio, triangles, error, placement } = values;
+  if (ratio === undefined && triangles === undefined && error === undefined) {
+    throw usage('options', 'name a target: --ratio R, --triangles N or --error E');
+  }
+  if (placement !== undefined && placement !== 'optimal' && placement !== 'subset') {
+    throw usage('--placement', `must be optimal or subset, not '${placement}'`);
+  }
+  return {
+    ratio: number('--ratio', ratio, 'a number from 0 to 1', (value) => value <= 1),
+    triangles: number('--triangles', triangles, 'an integer of at least 0', Number.isSafeInteger),
+    error: errorLimit(error),
+    placement,
+    lockBorder: values['lock-border'],
+  };
+}
+
+// Nothing but digits, a point and an exponent: Number() alone would take '' and '0x10'.
+const DECIMAL = /^(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
+
+function number(name: string, text: string | undefined, wanted: string, fits: (value: number) => boolean): number | undefined {
+  if (text === undefined) return undefined;
+  const value = DECIMAL.test(text) ? Number(text) : NaN;
+  if (!Number.isFinite(value) || !fits(value)) throw usage(name, `must be ${wanted}, not '${text}'`);
+  return value;
+}
+
+function errorLimit(text: string | undefined): SimplifyOptions['error'] {
+  const wanted = 'a number of at least 0, or a percentage such as 0.1%';
+  const value = number('--error', text?.replace(/%$/, ''), wanted, () => true);
+  return text?.endsWith('%') ? `${value as number}%` : value;
+}
+
+function ignored({ preset }: Values): string[] {
+  if (preset === undefined || preset === 'balanced') return [];
+  if (preset !== 'fast' && preset !== 'best') throw usage('--preset', `must be fast, balanced or best, not '${preset}'`);
+  return [`--preset ${preset}`];
+}
+
+/** The error for a wrong command line. */
+export function usage(where: string, message: string): DecimeshError {
+  return new DecimeshError('usage', message, where);
+}

@@ -1,0 +1,229 @@
+// A document: a whole file in the engine, simplified in steps, looked at and written at any level.
+
+import { DecimeshError, invalidArgument } from './errors.js';
+import { EngineObject, callEngine, init } from './engine.js';
+import { listFiles, loadFiles, type LoadedFile } from './files.js';
+import { RUN_NAMES, SIMPLIFY_NAMES, checkNames, checkSignal, resolveRequest, resolveTargets } from './options.js';
+import { makeReport, type Report } from './report.js';
+import { runInSteps } from './run.js';
+import type {
+  DocumentInput,
+  DocumentSummary,
+  LevelGeometry,
+  LevelSummary,
+  OutputFormat,
+  RunOptions,
+  SimplifyOptions,
+  Targets,
+  WriteOptions,
+} from './types.js';
+import type { Model } from './wasm/decimesh.js';
+
+/** A written file with the report on it. */
+export interface Written {
+  readonly bytes: Uint8Array<ArrayBuffer>;
+  /** `path`s are null. */
+  readonly report: Report;
+}
+
+/**
+ * Opens a model: glTF (.glb, .gltf with its files) or OBJ. Loads the engine if that is still to be done.
+ *
+ * Rejects with a {@link DecimeshError} naming the place in the file, or with the signal's reason.
+ */
+export async function openDocument(input: DocumentInput, options: { signal?: AbortSignal } = {}): Promise<Document> {
+  checkNames(options, ['signal']);
+  checkSignal(options.signal);
+  options.signal?.throwIfAborted();
+  const files = await loadFiles(listFiles(input));
+  options.signal?.throwIfAborted();
+  await init();
+  options.signal?.throwIfAborted();
+  return openFiles(files);
+}
+
+/** Opens files that are in memory, at once; needs the engine to be loaded. */
+export function openFiles(files: readonly LoadedFile[]): Document {
+  const start = performance.now();
+  const model = new EngineObject('document', (engine) =>
+    engine.Model.open(
+      files.map(({ name }) => name),
+      files.map(({ bytes }) => bytes),
+    ),
+  );
+  const summary = JSON.parse(model.call((object) => object.summary())) as DocumentSummary;
+  return new Document(model, summary, performance.now() - start);
+}
+
+/**
+ * The addresses of files that a .gltf or .glb needs beside itself, as it names them; empty for other content.
+ *
+ * Needs the engine to be loaded. Never fails on bad content: opening it will say what is wrong.
+ */
+export function externalFiles(bytes: Uint8Array): string[] {
+  return JSON.parse(callEngine((engine) => engine.externalFiles(bytes))) as string[];
+}
+
+interface Run {
+  readonly signal: AbortSignal | undefined;
+  /** Resolves when it is over, however it ended. */
+  readonly over: Promise<void>;
+}
+
+/**
+ * An opened file. It holds memory of the engine until {@link Document.dispose}.
+ *
+ * Calls on a disposed document, or one lost in a restart of the engine, fail with `disposed`.
+ */
+export class Document {
+  /** What the file holds at full detail. */
+  readonly summary: DocumentSummary;
+  readonly #model: EngineObject<Model>;
+  readonly #timings: { read: number; simplify: number };
+  #level: LevelSummary | undefined;
+  #run: Run | undefined;
+
+  /** @internal Use {@link openDocument}. */
+  constructor(model: EngineObject<Model>, summary: DocumentSummary, readMilliseconds: number) {
+    this.#model = model;
+    this.summary = summary;
+    this.#timings = { read: readMilliseconds, simplify: 0 };
+  }
+
+  /**
+   * Simplifies and selects the level that the targets ask for. All levels down to it are then at hand by
+   * {@link level}; without a target all there are, and full detail is selected.
+   *
+   * Always starts from the file's own triangles, not from the selected level. While it runs, the former levels can be
+   * used. Rejects with `invalid-argument` naming the option; with `wrong-state` while another run is under way that
+   * has not been aborted; with the signal's reason within 100 ms of an abort, and then the former level is still
+   * selected.
+   */
+  async simplify(options: SimplifyOptions & RunOptions = {}): Promise<LevelSummary> {
+    checkNames(options, [...SIMPLIFY_NAMES, ...RUN_NAMES]);
+    const request = resolveRequest(options, this.summary);
+    const { signal } = options;
+    this.#model.check();
+    signal?.throwIfAborted();
+    while (this.#run !== undefined) {
+      if (this.#run.signal?.aborted !== true) {
+        throw new DecimeshError('wrong-state', 'a simplification is already running on this document', 'simplify');
+      }
+      // An aborted run ends after its present step.
+      await this.#run.over;
+      signal?.throwIfAborted();
+    }
+    const { promise: over, resolve: end } = deferred();
+    this.#run = { signal, over };
+    const start = performance.now();
+    try {
+      this.#model.call((model) => model.beginSimplify(JSON.stringify(request)));
+      try {
+        await runInSteps((work) => this.#model.call((model) => model.step(work)), {
+          signal,
+          // The last report comes when the level is there to be used.
+          onProgress: (fraction) => fraction < 1 && options.onProgress?.(fraction),
+        });
+      } catch (error) {
+        this.#forgetRun();
+        throw error;
+      }
+      this.#timings.simplify = performance.now() - start;
+      const level = this.#select(request.triangles, request.error);
+      options.onProgress?.(1);
+      return level;
+    } finally {
+      this.#run = undefined;
+      end();
+    }
+  }
+
+  // Drops the engine's half-done run, unless the document itself is gone.
+  #forgetRun(): void {
+    try {
+      this.#model.call((model) => model.cancelSimplify());
+    } catch (error) {
+      if (!(error instanceof DecimeshError && error.code === 'disposed')) throw error;
+    }
+  }
+
+  /**
+   * Selects a level of the last simplification, without simplifying again: at most so many triangles, or an error not
+   * above the given one, or full detail for `{}`. Beyond the last recorded level it gives that one.
+   *
+   * Rejects with `wrong-state` before the first simplification.
+   */
+  async level(targets: Targets): Promise<LevelSummary> {
+    const { triangles, error } = resolveTargets(targets, this.summary);
+    return this.#select(triangles, error);
+  }
+
+  #select(triangles: number | undefined, error: number | undefined): LevelSummary {
+    const level = JSON.parse(this.#model.call((model) => model.selectLevel(triangles, error))) as LevelSummary;
+    this.#level = level;
+    return level;
+  }
+
+  /** The selected level as arrays; full detail before the first simplification. The arrays are the caller's own. */
+  async geometry(): Promise<LevelGeometry> {
+    const { groups, wedgeSets } = this.summary;
+    return {
+      groups: groups.map(({ mesh, primitive, wedgeSet }, index) => ({
+        mesh,
+        primitive,
+        wedgeSet,
+        indices: this.#model.call((model) => model.levelIndices(index)),
+      })),
+      wedgeSets: wedgeSets.map(({ attributes }, set) => ({
+        positions: this.#model.call((model) => model.levelPositions(set)),
+        attributes: Object.fromEntries(
+          attributes.map(({ name, components }, index) => [
+            name,
+            { components, values: this.#model.call((model) => model.levelAttribute(set, index)) },
+          ]),
+        ),
+      })),
+    };
+  }
+
+  /**
+   * Writes the selected level; full detail before the first simplification.
+   *
+   * Rejects with `invalid-argument` for an unknown format and `unsupported` for an encoding that is still to come.
+   */
+  async write(options: WriteOptions = {}): Promise<Written> {
+    const format = checkWriteOptions(options, this.summary);
+    const start = performance.now();
+    const bytes = this.#model.call((model) => model.write(format)) as Uint8Array<ArrayBuffer>;
+    const timings = { ...this.#timings, write: performance.now() - start, measure: 0 };
+    const output = { format, bytes: bytes.byteLength };
+    return { bytes, report: makeReport({ summary: this.summary, level: this.#level, output, timings }) };
+  }
+
+  /** Frees the document's memory; a simplification that runs rejects with `disposed`. May be called twice. */
+  dispose(): void {
+    this.#model.dispose();
+  }
+
+  /** {@link dispose}, for `using`. */
+  [Symbol.dispose](): void {
+    this.dispose();
+  }
+}
+
+function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): OutputFormat {
+  checkNames(options, ['format', 'compress']);
+  const { format = summary.format === 'obj' ? 'obj' : 'glb', compress = 'none' } = options;
+  if (format !== 'glb' && format !== 'obj') throw invalidArgument('format', "must be 'glb' or 'obj'");
+  if (compress !== 'none') {
+    throw new DecimeshError('unsupported', `compression '${String(compress)}' is not supported yet`, 'compress');
+  }
+  return format;
+}
+
+function deferred(): { promise: Promise<void>; resolve: () => void } {
+  let resolve = (): void => {};
+  const promise = new Promise<void>((done) => (resolve = done));
+  return { promise, resolve };
+}
+

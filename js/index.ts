@@ -1,0 +1,30 @@
+// The package's public surface.
+
+export { init, type WasmSource } from './engine.js';
+export { openDocument, externalFiles, type Document, type Written } from './document.js';
+export { simplify, simplifySequence, type MeshSequence } from './simplify.js';
+export { DecimeshError, type EngineErrorCode, type ErrorCode, type HostErrorCode } from './errors.js';
+export type { Deviation, Report, ReportedFile, Timings } from './report.js';
+export type {
+  AttributeArray,
+  DocumentInput,
+  DocumentSummary,
+  Format,
+  GroupGeometry,
+  GroupSummary,
+  LevelGeometry,
+  LevelSummary,
+  MeshAttributes,
+  MeshInput,
+  NamedBytes,
+  OutputFormat,
+  RunOptions,
+  SimplifiedMesh,
+  SimplifyOptions,
+  StopReason,
+  Targets,
+  Warning,
+  WedgeSetGeometry,
+  WedgeSetSummary,
+  WriteOptions,
+} from './types.js';

@@ -1,0 +1,115 @@
+// Checks the options of a simplification, and turns targets into a triangle count and an error in model units.
+
+import { invalidArgument } from './errors.js';
+import type { RunOptions, SimplifyOptions, Targets } from './types.js';
+
+/** What targets refer to. */
+export interface Scale {
+  readonly triangles: number;
+  /** Of the bounding box, model units. */
+  readonly diagonal: number;
+}
+
+/** Targets as the engine understands them; absent ones do not stop it. */
+export interface ResolvedTargets {
+  /** Integer ≥ 0. */
+  triangles?: number;
+  /** Model units, ≥ 0. */
+  error?: number;
+}
+
+/** The JSON that the engine's `beginSimplify` takes. */
+export interface SimplifyRequest extends ResolvedTargets {
+  lockBorder?: boolean;
+  placement?: 'optimal' | 'subset';
+}
+
+const TARGETS = ['ratio', 'triangles', 'error'];
+
+/** Names of {@link SimplifyOptions}. */
+export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'placement'];
+
+/** Names of {@link RunOptions}. */
+export const RUN_NAMES: readonly string[] = ['onProgress', 'signal'];
+
+/** Throws `invalid-argument` unless `options` is an object with no other names than `names`. */
+export function checkNames(options: unknown, names: readonly string[], what = 'options'): void {
+  if (typeof options !== 'object' || options === null) throw invalidArgument(what, 'must be an object');
+  for (const name of Object.keys(options)) {
+    if (!names.includes(name)) throw invalidArgument(name, `unknown option; known are ${names.join(', ')}`);
+  }
+}
+
+/** Checks `options` of a level, against what the targets refer to. */
+export function resolveTargets(options: Targets, scale: Scale): ResolvedTargets {
+  checkNames(options, TARGETS);
+  return targetsOf(options, scale);
+}
+
+/** Checks the values of `options` of a simplification; its targets refer to `scale`. */
+export function resolveRequest(options: SimplifyOptions & RunOptions, scale: Scale): SimplifyRequest {
+  const { lockBorder, placement, onProgress, signal } = options;
+  const request: SimplifyRequest = targetsOf(options, scale);
+  if (lockBorder !== undefined) {
+    if (typeof lockBorder !== 'boolean') throw invalidArgument('lockBorder', 'must be true or false');
+    request.lockBorder = lockBorder;
+  }
+  if (placement !== undefined) {
+    if (placement !== 'optimal' && placement !== 'subset') {
+      throw invalidArgument('placement', "must be 'optimal' or 'subset'");
+    }
+    request.placement = placement;
+  }
+  if (onProgress !== undefined && typeof onProgress !== 'function') {
+    throw invalidArgument('onProgress', 'must be a function');
+  }
+  checkSignal(signal);
+  return request;
+}
+
+/** Throws `invalid-argument` unless `signal` is an AbortSignal or absent. */
+export function checkSignal(signal: unknown): void {
+  if (signal !== undefined && !(signal instanceof AbortSignal)) {
+    throw invalidArgument('signal', 'must be an AbortSignal');
+  }
+}
+
+/** Throws `invalid-argument` unless `targets` names one. */
+export function checkHasTarget({ ratio, triangles, error }: Targets): void {
+  if (ratio === undefined && triangles === undefined && error === undefined) {
+    throw invalidArgument('options', 'name a target: ratio, triangles or error');
+  }
+}
+
+function targetsOf({ ratio, triangles, error }: Targets, scale: Scale): ResolvedTargets {
+  const targets: ResolvedTargets = {};
+  if (ratio !== undefined) {
+    if (typeof ratio !== 'number' || !(ratio >= 0 && ratio <= 1)) {
+      throw invalidArgument('ratio', `must be a number from 0 to 1, not ${shown(ratio)}`);
+    }
+    // A millionth of a triangle makes up for 0.29 × 100 being a little less than 29.
+    targets.triangles = Math.floor(ratio * scale.triangles + 1e-6);
+  }
+  if (triangles !== undefined) {
+    if (!Number.isSafeInteger(triangles) || triangles < 0) {
+      throw invalidArgument('triangles', `must be an integer of at least 0, not ${shown(triangles)}`);
+    }
+    // Of several targets the first that is reached counts: going down, the larger.
+    targets.triangles = Math.max(triangles, targets.triangles ?? 0);
+  }
+  if (error !== undefined) targets.error = errorInModelUnits(error, scale.diagonal);
+  return targets;
+}
+
+function errorInModelUnits(error: number | string, diagonal: number): number {
+  const percent = typeof error === 'string' ? /^\s*(\d+(?:\.\d*)?(?:e[+-]?\d+)?|\.\d+)\s*%\s*$/i.exec(error)?.[1] : undefined;
+  const value = percent === undefined ? error : (Number(percent) / 100) * diagonal;
+  if (typeof value !== 'number' || !(value >= 0) || value === Infinity) {
+    throw invalidArgument('error', `must be a number of at least 0 or a percentage such as '0.1%', not ${shown(error)}`);
+  }
+  return value;
+}
+
+function shown(value: unknown): string {
+  return typeof value === 'string' ? `'${value}'` : String(value);
+}

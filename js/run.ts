@@ -1,0 +1,48 @@
+// Advances long work in short steps, so that events, progress and an abort get their turn between them.
+
+import { yieldToEvents } from './platform.js';
+import type { RunOptions } from './types.js';
+
+/** How long a step may take, ms: short enough to keep 60 frames a second, long enough that yielding costs little. */
+const STEP_MILLISECONDS = 10;
+
+/** Between two reports of progress, ms. */
+const PROGRESS_MILLISECONDS = 50;
+
+/** The first step's work, about 5 ms on the machine the unit was chosen on; the following ones adapt. */
+const FIRST_WORK = 10_000;
+
+/**
+ * Calls `step` with an amount of work until it returns 1, the share that is done.
+ *
+ * Rejects with the signal's reason on an abort, at the latest after the step that is running, and with whatever `step`
+ * or `onProgress` throws. What `step` works on is the caller's to clean up then.
+ */
+export async function runInSteps(step: (work: number) => number, { onProgress, signal }: RunOptions): Promise<void> {
+  let work = FIRST_WORK;
+  let reported = 0;
+  let reportedAt = -Infinity;
+  signal?.throwIfAborted();
+  for (;;) {
+    const start = performance.now();
+    const fraction = step(work);
+    const now = performance.now();
+    if (fraction >= 1) break;
+    // Never more than double: the cost of a unit changes from one stage of the work to the next.
+    const factor = STEP_MILLISECONDS / Math.max(now - start, 0.01);
+    work = Math.max(100, work * Math.min(2, Math.max(0.1, factor)));
+    if (fraction > reported && now - reportedAt >= PROGRESS_MILLISECONDS) {
+      reported = fraction;
+      reportedAt = now;
+      onProgress?.(fraction);
+    }
+    await yieldToEvents();
+    signal?.throwIfAborted();
+  }
+  onProgress?.(1);
+}
+
+/** Calls `step` until it returns 1, without a pause. */
+export function runToEnd(step: (work: number) => number): void {
+  while (step(1e9) < 1);
+}

@@ -1,0 +1,148 @@
+// Simplifying bare arrays: at once, or recorded for any level afterwards.
+
+import { EngineObject } from './engine.js';
+import { attributesForEngine, attributesFromEngine, checkMesh, type EngineAttribute } from './mesh.js';
+import {
+  RUN_NAMES,
+  SIMPLIFY_NAMES,
+  checkHasTarget,
+  checkNames,
+  resolveRequest,
+  resolveTargets,
+  type Scale,
+  type SimplifyRequest,
+} from './options.js';
+import { runInSteps, runToEnd } from './run.js';
+import type { LevelSummary, MeshInput, RunOptions, SimplifiedMesh, SimplifyOptions, Targets } from './types.js';
+import type { Model } from './wasm/decimesh.js';
+
+/**
+ * Simplifies a mesh at once and returns the level that the targets ask for; `init()` must have finished.
+ *
+ * The input is only read. Throws `invalid-argument` naming the array or option (also when no target is given),
+ * `out-of-range` for an index without a vertex, `not-finite` for NaN and infinities.
+ */
+export function simplify(mesh: MeshInput, options: SimplifyOptions): SimplifiedMesh {
+  checkNames(options, SIMPLIFY_NAMES);
+  checkHasTarget(options);
+  const run = new MeshRun(mesh, options);
+  try {
+    runToEnd((work) => run.step(work));
+    return run.level(run.request);
+  } finally {
+    run.dispose();
+  }
+}
+
+/** As {@link simplify}, in steps between which events are handled; needs `init()` all the same. */
+export async function simplifyInSteps(mesh: MeshInput, options: SimplifyOptions & RunOptions): Promise<SimplifiedMesh> {
+  checkNames(options, [...SIMPLIFY_NAMES, ...RUN_NAMES]);
+  checkHasTarget(options);
+  const run = new MeshRun(mesh, options);
+  try {
+    await runInSteps((work) => run.step(work), { signal: options.signal, onProgress: options.onProgress });
+    return run.level(run.request);
+  } finally {
+    run.dispose();
+  }
+}
+
+/**
+ * Simplifies a mesh once and keeps the record, from which any level is extracted; `init()` must have finished.
+ *
+ * Targets bound how far the record goes; without any it goes as far as the shape allows. The sequence holds memory of
+ * the engine until {@link MeshSequence.dispose}. Throws what {@link simplify} throws.
+ */
+export function simplifySequence(mesh: MeshInput, options: SimplifyOptions = {}): MeshSequence {
+  return new MeshSequence(mesh, options);
+}
+
+/** The record of one simplification of arrays. */
+export class MeshSequence {
+  readonly #run: MeshRun;
+
+  /** @internal Use {@link simplifySequence}. */
+  constructor(mesh: MeshInput, options: SimplifyOptions) {
+    checkNames(options, SIMPLIFY_NAMES);
+    this.#run = new MeshRun(mesh, options);
+    try {
+      runToEnd((work) => this.#run.step(work));
+    } catch (error) {
+      this.#run.dispose();
+      throw error;
+    }
+  }
+
+  /**
+   * The level that `targets` ask for, or full detail for `{}`; beyond the last recorded level it is that one.
+   *
+   * Throws `invalid-argument` naming the target, `disposed` after {@link dispose}.
+   */
+  level(targets: Targets): SimplifiedMesh {
+    return this.#run.level(resolveTargets(targets, this.#run.scale));
+  }
+
+  /** Frees the memory in the engine. May be called twice. */
+  dispose(): void {
+    this.#run.dispose();
+  }
+
+  /** {@link dispose}, for `using`. */
+  [Symbol.dispose](): void {
+    this.dispose();
+  }
+}
+
+/** A mesh in the engine whose simplification has begun. */
+class MeshRun {
+  readonly scale: Scale;
+  readonly request: SimplifyRequest;
+  readonly #model: EngineObject<Model>;
+  readonly #attributes: readonly EngineAttribute[];
+
+  constructor(mesh: MeshInput, options: SimplifyOptions & RunOptions) {
+    const { positions, indices } = checkMesh(mesh);
+    // Everything about the options that needs no diagonal is said before the arrays are copied.
+    resolveRequest(options, { triangles: 0, diagonal: 0 });
+    this.#attributes = attributesForEngine(mesh);
+    const description = this.#attributes.map(({ name, components, blend }) => ({ name, components, blend }));
+    this.#model = new EngineObject('mesh', (engine) =>
+      engine.Model.fromArrays(
+        positions,
+        indices,
+        JSON.stringify(description),
+        this.#attributes.map(({ values }) => values),
+      ),
+    );
+    try {
+      this.scale = JSON.parse(this.#model.call((model) => model.summary())) as Scale;
+      this.request = resolveRequest(options, this.scale);
+      this.#model.call((model) => model.beginSimplify(JSON.stringify(this.request)));
+    } catch (error) {
+      this.dispose();
+      throw error;
+    }
+  }
+
+  step(work: number): number {
+    return this.#model.call((model) => model.step(work));
+  }
+
+  level({ triangles, error }: { triangles?: number; error?: number }): SimplifiedMesh {
+    return this.#model.call((model) => {
+      const { estimatedError, stopReason } = JSON.parse(model.selectLevel(triangles, error)) as LevelSummary;
+      return {
+        positions: model.levelPositions(0),
+        indices: model.levelIndices(0),
+        attributes: attributesFromEngine(this.#attributes, (index) => model.levelAttribute(0, index)),
+        estimatedError,
+        stopReason,
+        vertexMap: model.levelWedgeMap(),
+      };
+    });
+  }
+
+  dispose(): void {
+    this.#model.dispose();
+  }
+}

@@ -1,0 +1,194 @@
+// The shapes that callers pass in and get back, shared by the document, its worker and the command line.
+
+/** A file format by its usual extension. */
+export type Format = 'glb' | 'gltf' | 'obj';
+
+/** A format that can be written. */
+export type OutputFormat = 'glb' | 'obj';
+
+/**
+ * Why there are not fewer triangles: the count was reached, the next step would exceed the error, or nothing more can
+ * be removed without damage.
+ */
+export type StopReason = 'target' | 'error' | 'constraints';
+
+/** Something a reader or writer had to change or leave out, without failing. */
+export interface Warning {
+  /** Stable name, kebab-case. */
+  readonly code: string;
+  /** One line for people. */
+  readonly message: string;
+  /** The place in the file; may be empty. */
+  readonly where: string;
+}
+
+/** A file in memory. */
+export interface NamedBytes {
+  /** As a referring file names it, relative and with `/`: `textures/a.png`. Its last part is enough. */
+  readonly name: string;
+  readonly bytes: Uint8Array | ArrayBuffer;
+}
+
+/** A model: the bytes of one file, or the files it consists of, in any order. */
+export type DocumentInput =
+  | ArrayBuffer
+  | Uint8Array
+  | File
+  | NamedBytes
+  | ReadonlyArray<File | NamedBytes>;
+
+/** Triangles that share a material: a glTF primitive, or a material or object of an OBJ file. */
+export interface GroupSummary {
+  /** Index of the glTF mesh; 0 for OBJ. */
+  readonly mesh: number;
+  /** Index of the primitive in its mesh; the group's index for OBJ. */
+  readonly primitive: number;
+  /** Name of the mesh or object. */
+  readonly object: string | null;
+  /** Name of the material. */
+  readonly material: string | null;
+  /** Index in `wedgeSets` of the vertices it uses. */
+  readonly wedgeSet: number;
+}
+
+/** Vertices with the attributes they have. */
+export interface WedgeSetSummary {
+  readonly vertices: number;
+  readonly attributes: ReadonlyArray<{ readonly name: string; readonly components: number }>;
+}
+
+/** What a document holds. */
+export interface DocumentSummary {
+  readonly format: Format;
+  /** All bytes that were given. */
+  readonly bytes: number;
+  readonly triangles: number;
+  /** Vertices as the file stores them: one on a texture seam counts once for each side. */
+  readonly vertices: number;
+  readonly meshes: number;
+  /** Length of the bounding box's diagonal in model units: the measure of relative errors. */
+  readonly diagonal: number;
+  readonly groups: readonly GroupSummary[];
+  readonly wedgeSets: readonly WedgeSetSummary[];
+  readonly warnings: readonly Warning[];
+}
+
+/** A selected level of detail. */
+export interface LevelSummary {
+  readonly triangles: number;
+  readonly vertices: number;
+  /** Estimated deviation from the original in model units; 0 at full detail. Not measured. */
+  readonly estimatedError: number;
+  readonly stopReason: StopReason;
+}
+
+/** Where to stop; of several targets, the first that is reached. */
+export interface Targets {
+  /** Keep this share of the triangles, 0 to 1. 1 keeps all, 0 goes as far as the shape allows. */
+  readonly ratio?: number | undefined;
+  /** Keep at most this many triangles, an integer ≥ 0. */
+  readonly triangles?: number | undefined;
+  /**
+   * Largest estimated deviation: a number ≥ 0 in model units, or `'0.1%'` of the bounding box's diagonal. 0 removes
+   * only what changes nothing.
+   */
+  readonly error?: number | `${number}%` | undefined;
+}
+
+/** How to simplify. */
+export interface SimplifyOptions extends Targets {
+  /** Open borders do not move. Default false. */
+  readonly lockBorder?: boolean | undefined;
+  /** `'optimal'` (default) puts vertices where the error is least; `'subset'` uses only original positions. */
+  readonly placement?: 'optimal' | 'subset' | undefined;
+}
+
+/** What may accompany a run that takes time. */
+export interface RunOptions {
+  /** Called at most about 20 times a second with the share of the work that is done; last, and only once, with 1. */
+  readonly onProgress?: ((fraction: number) => void) | undefined;
+  /** Aborting rejects with the signal's reason and leaves everything as it was before the call. */
+  readonly signal?: AbortSignal | undefined;
+}
+
+/** How to write. */
+export interface WriteOptions {
+  /** Default: `'obj'` for a document read from OBJ, else `'glb'`. */
+  readonly format?: OutputFormat | undefined;
+  /** Only `'none'` (default) is supported yet. */
+  readonly compress?: 'none' | undefined;
+}
+
+/** The vertices of a level that some groups share. */
+export interface WedgeSetGeometry {
+  /** x, y, z for each vertex, in the mesh's local space. */
+  readonly positions: Float32Array;
+  /** By name; `components` numbers for each vertex. */
+  readonly attributes: Readonly<Record<string, { readonly components: number; readonly values: Float32Array }>>;
+}
+
+/** The triangles of a level in one group. */
+export interface GroupGeometry {
+  readonly mesh: number;
+  readonly primitive: number;
+  /** Three for each triangle, into the wedge set's vertices. */
+  readonly indices: Uint32Array;
+  readonly wedgeSet: number;
+}
+
+/** A level as arrays, ready for a renderer. The arrays are the caller's own. */
+export interface LevelGeometry {
+  readonly groups: readonly GroupGeometry[];
+  readonly wedgeSets: readonly WedgeSetGeometry[];
+}
+
+/** Arrays of numbers that attributes may come in. */
+export type AttributeArray =
+  | Float32Array
+  | Float64Array
+  | Int8Array
+  | Uint8Array
+  | Uint8ClampedArray
+  | Int16Array
+  | Uint16Array
+  | Int32Array
+  | Uint32Array;
+
+/**
+ * Vertex attributes by name, each an array of the same number of values for every vertex.
+ *
+ * Known names: `normal` (3, unit length), `uv` (2), `color` (3 or 4), `tangent` (4, the last ±1), `joints` (4) with
+ * `weights` (4). `uv1`, `color2`… are further sets of the same kind. Other names may have 1 to 16 components; where
+ * vertices merge, theirs are interpolated in float arrays and taken from the nearer vertex in integer arrays.
+ */
+export interface MeshAttributes {
+  readonly normal?: AttributeArray;
+  readonly uv?: AttributeArray;
+  readonly color?: AttributeArray;
+  readonly tangent?: AttributeArray;
+  readonly joints?: AttributeArray;
+  readonly weights?: AttributeArray;
+  readonly [name: string]: AttributeArray | undefined;
+}
+
+/** A triangle mesh as arrays. */
+export interface MeshInput {
+  /** x, y, z for each vertex; finite. */
+  readonly positions: Float32Array;
+  /** Three for each triangle; absent: every three vertices are a triangle. */
+  readonly indices?: Uint32Array | Uint16Array | undefined;
+  readonly attributes?: MeshAttributes | undefined;
+}
+
+/** A simplified mesh. The arrays are the caller's own. */
+export interface SimplifiedMesh {
+  readonly positions: Float32Array;
+  readonly indices: Uint32Array;
+  /** The attributes that were given, in arrays of the type they came in. */
+  readonly attributes: Readonly<Record<string, AttributeArray>>;
+  /** Estimated deviation from the original in the units of the positions. Not measured. */
+  readonly estimatedError: number;
+  readonly stopReason: StopReason;
+  /** For each vertex, the vertex of the input that it came from. */
+  readonly vertexMap: Uint32Array;
+}

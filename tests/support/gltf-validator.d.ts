@@ -1,0 +1,9 @@
+// The part of gltf-validator that the tests use; the package has no types of its own.
+declare module 'gltf-validator' {
+  export function validateBytes(
+    bytes: Uint8Array,
+    options?: { maxIssues?: number },
+  ): Promise<{
+    issues: { numErrors: number; messages: Array<{ code: string; message: string; pointer: string; severity: number }> };
+  }>;
+}
