@@ -22,6 +22,7 @@ use crate::collapse_sequence::{Collapse, CollapseSequence, StopReason};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
 use crate::mesh::weld::{self, NO_VERTEX, Weld};
+use lanes::{Lanes3, WIDTH};
 use legality::Refusal;
 use placement::Placement;
 use quadric::{Quadric, Vec3};
@@ -170,14 +171,13 @@ struct Candidate {
     placement: Placement,
 }
 
-/// A triangle that stays, with its area vector before and after.
+/// A triangle that stays, seen from the end of the edge it belongs to.
 #[derive(Debug, Clone, Copy)]
 struct Change {
-    triangle: u32,
-    next: u32,
-    previous: u32,
-    before: Vec3,
-    after: Vec3,
+    vertex: u32,
+    triangle: FanTriangle,
+    /// Its quadric after the collapse less that before.
+    difference: Quadric,
 }
 
 impl Simplifier {
@@ -428,7 +428,7 @@ impl Simplifier {
             for candidate in &self.scratch.candidates {
                 for end in [v, candidate.neighbour] {
                     let key = &mut self.keys[end as usize];
-                    *key = key.min(candidate.placement.cost);
+                    *key = quadric::smaller(*key, candidate.placement.cost);
                 }
             }
         }
@@ -486,7 +486,7 @@ impl Simplifier {
                 }
             }
         }
-        for four in neighbours.chunks(lanes::WIDTH) {
+        for four in neighbours.chunks(WIDTH) {
             let others = std::array::from_fn(|k| &topology.vertices[four[k.min(four.len() - 1)] as usize]);
             let placements =
                 placement::solve(own.position, &own.quadric, others.map(|o| o.position), others.map(|o| &o.quadric));
@@ -650,11 +650,10 @@ impl Simplifier {
             self.blocked_by_error = true;
             return false;
         }
-        if gather_changes(topology, &mut scratch.changes, (from, fan_from), (into, fan_into), placement.position)
-            .is_err()
-        {
+        let (changes, position) = (&mut scratch.changes, placement.position);
+        let Ok(sum) = gather_changes(topology, changes, (from, fan_from), (into, fan_into), position) else {
             return false;
-        }
+        };
 
         // From here on the collapse is done.
         let mut opposite = [into; 2];
@@ -666,16 +665,13 @@ impl Simplifier {
         }
         self.merge_wedges(from, into);
         let Self { topology, scratch, .. } = self;
-        let mut sum = Quadric::default();
         for change in &scratch.changes {
-            let after = Quadric::of_triangle(change.after);
-            sum += after;
-            let difference = after - Quadric::of_triangle(change.before);
-            topology.vertices[change.next as usize].quadric += difference;
-            topology.vertices[change.previous as usize].quadric += difference;
-            for corner in &mut topology.triangles[change.triangle as usize] {
-                if *corner == from {
-                    *corner = into;
+            let FanTriangle { triangle, next, previous } = change.triangle;
+            topology.vertices[next as usize].quadric += change.difference;
+            topology.vertices[previous as usize].quadric += change.difference;
+            if change.vertex == from {
+                for corner in &mut topology.triangles[triangle as usize] {
+                    *corner = if *corner == from { into } else { *corner };
                 }
             }
         }
@@ -683,7 +679,7 @@ impl Simplifier {
         for t in fan_from.iter().filter(|t| t.next == into || t.previous == into) {
             topology.kill(t.triangle);
         }
-        topology.set_fan(into, from, scratch.changes.iter().map(|c| c.triangle));
+        topology.set_fan(into, from, scratch.changes.iter().map(|c| c.triangle.triangle));
         let vertex = &mut topology.vertices[into as usize];
         vertex.quadric = sum;
         let has_moved = vertex.position != placement.position;
@@ -715,8 +711,9 @@ impl Simplifier {
             }
         }
         for change in &scratch.changes {
-            if let Some(c) = corner(change.triangle, from) {
-                let wedge = &mut triangle_wedges[change.triangle as usize][c];
+            let triangle = change.triangle.triangle;
+            if let Some(c) = corner(triangle, from) {
+                let wedge = &mut triangle_wedges[triangle as usize][c];
                 if let Some(merge) = scratch.merges.iter().find(|m| m.0 == *wedge) {
                     *wedge = merge.1;
                 }
@@ -782,9 +779,9 @@ impl Simplifier {
         // Around a closed fan every vertex is next once; only open ends are just previous.
         let closed = matches!(self.topology.vertices[into as usize].kind, VertexKind::Manifold | VertexKind::Seam);
         for change in &self.scratch.changes {
-            depend_on(change.next);
+            depend_on(change.triangle.next);
             if !closed {
-                depend_on(change.previous);
+                depend_on(change.triangle.previous);
             }
         }
         [from, into, opposite[0], opposite[1]].into_iter().for_each(depend_on);
@@ -834,7 +831,7 @@ fn next_up(x: f32) -> f32 {
 }
 
 fn cheapest(candidates: &[Candidate]) -> f32 {
-    candidates.iter().map(|c| c.placement.cost).fold(f32::INFINITY, f32::min)
+    candidates.iter().map(|c| c.placement.cost).fold(f32::INFINITY, quadric::smaller)
 }
 
 fn take_cheapest(candidates: &mut Vec<Candidate>) -> Option<Candidate> {
@@ -857,33 +854,44 @@ fn polyline_stays_open(polylines: &[Polyline], vertices: &[topology::Vertex], fr
     beyond != into && beyond != NONE && (!has_lines(into) || !polylines[into as usize].contains(&beyond))
 }
 
-/// The triangles that stay, with their area vectors before and after; refuses a flip.
+/// The triangles that stay, with the change of their quadrics; four at a time. Returns the
+/// quadric of the merged vertex, or refuses a flip.
+#[inline(always)]
 fn gather_changes(
     topology: &Topology,
     changes: &mut Vec<Change>,
     (from, fan_from): (u32, &[FanTriangle]),
     (into, fan_into): (u32, &[FanTriangle]),
     position: Vec3,
-) -> Result<(), Refusal> {
+) -> Result<Quadric, Refusal> {
     changes.clear();
     for (v, other, fan) in [(from, into, fan_from), (into, from, fan_into)] {
-        let origin = topology.vertices[v as usize].position;
-        for t in fan {
-            if t.next == other || t.previous == other {
-                continue;
-            }
-            let (a, b) = (topology.vertices[t.next as usize].position, topology.vertices[t.previous as usize].position);
-            let before = (a - origin).cross(b - origin);
-            let (p, q) = (a - position, b - position);
-            let after = p.cross(q);
-            let longest = p.length_squared().max(q.length_squared()).max((b - a).length_squared());
-            if !legality::keeps_upright(before, after, longest) {
-                return Err(Refusal::Flip);
-            }
-            changes.push(Change { triangle: t.triangle, next: t.next, previous: t.previous, before, after });
+        for t in fan.iter().filter(|t| t.next != other && t.previous != other) {
+            changes.push(Change { vertex: v, triangle: *t, difference: Quadric::default() });
         }
     }
-    Ok(())
+    let mut sum = Quadric::default();
+    let at = |v: u32| topology.vertices[v as usize].position;
+    let merged = Lanes3::gather([position; WIDTH]);
+    for four in changes.chunks_mut(WIDTH) {
+        let lane: [&Change; WIDTH] = std::array::from_fn(|k| &four[if k < four.len() { k } else { 0 }]);
+        let origin = Lanes3::gather(lane.map(|c| at(c.vertex)));
+        let (a, b) =
+            (Lanes3::gather(lane.map(|c| at(c.triangle.next))), Lanes3::gather(lane.map(|c| at(c.triangle.previous))));
+        let before = (a - origin).cross(b - origin);
+        let (p, q, opposite) = (a - merged, b - merged, b - a);
+        let after = p.cross(q);
+        let longest = p.dot(p).max(q.dot(q)).max(opposite.dot(opposite));
+        if !legality::keep_upright(before, after, longest) {
+            return Err(Refusal::Flip);
+        }
+        let (after, before) = (Quadric::of_triangles(after), Quadric::of_triangles(before));
+        for ((change, after), before) in four.iter_mut().zip(after).zip(before) {
+            sum += after;
+            change.difference = after - before;
+        }
+    }
+    Ok(sum)
 }
 
 /// The engine space of each part.

@@ -5,6 +5,8 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
+use super::quadric::Vec3;
+
 /// Number of lanes.
 pub(super) const WIDTH: usize = 4;
 
@@ -28,8 +30,7 @@ impl Lanes {
     /// which the compiler keeps in one register; branches it would take apart.
     #[inline(always)]
     pub(super) fn select_within(self, limit: Self, then: Self, other: Self) -> Self {
-        let mask = |k: usize| u32::from(self.0[k] <= limit.0[k]).wrapping_neg();
-        let masks = [mask(0), mask(1), mask(2), mask(3)];
+        let masks = self.at_most(limit);
         let pick = |k: usize| f32::from_bits((then.0[k].to_bits() & masks[k]) | (other.0[k].to_bits() & !masks[k]));
         Self([pick(0), pick(1), pick(2), pick(3)])
     }
@@ -52,6 +53,22 @@ operator!(Sub, sub, -);
 operator!(Mul, mul, *);
 operator!(Div, div, /);
 
+impl Lanes {
+    /// Per lane.
+    #[inline(always)]
+    pub(super) fn sqrt(self) -> Self {
+        let a = self.0;
+        Self([a[0].sqrt(), a[1].sqrt(), a[2].sqrt(), a[3].sqrt()])
+    }
+
+    /// Per lane: all ones where `self` ≤ `o`, zero where it is larger or NaN.
+    #[inline(always)]
+    pub(super) fn at_most(self, o: Self) -> [u32; WIDTH] {
+        let mask = |k: usize| u32::from(self.0[k] <= o.0[k]).wrapping_neg();
+        [mask(0), mask(1), mask(2), mask(3)]
+    }
+}
+
 /// Four vectors of three.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lanes3 {
@@ -61,6 +78,17 @@ pub(super) struct Lanes3 {
 }
 
 impl Lanes3 {
+    /// Four vectors side by side.
+    #[inline(always)]
+    pub(super) fn gather(v: [Vec3; WIDTH]) -> Self {
+        Self { x: Lanes(v.map(|v| v.x)), y: Lanes(v.map(|v| v.y)), z: Lanes(v.map(|v| v.z)) }
+    }
+
+    #[inline(always)]
+    pub(super) fn cross(self, o: Self) -> Self {
+        Self { x: self.y * o.z - self.z * o.y, y: self.z * o.x - self.x * o.z, z: self.x * o.y - self.y * o.x }
+    }
+
     #[inline(always)]
     pub(super) fn dot(self, o: Self) -> Lanes {
         self.x * o.x + self.y * o.y + self.z * o.z

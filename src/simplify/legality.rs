@@ -1,6 +1,6 @@
 //! Legality: which collapses keep the surface a surface, and its triangles upright.
 
-use super::quadric::Vec3;
+use super::lanes::{Lanes, Lanes3, WIDTH};
 use super::topology::{FanTriangle, Topology};
 
 /// Smallest cosine between a triangle's normal before and after: about 78°. Smaller values let
@@ -74,14 +74,24 @@ pub(super) fn check_link(
     Ok(())
 }
 
-/// Whether a triangle with area vector `old` may become one with area vector `new` and longest
-/// edge squared `longest_squared`.
+/// Whether triangles with area vectors `old` may all become ones with area vectors `new` and
+/// longest edges squared `longest_squared`. A triangle without a direction has none to keep.
 #[inline(always)]
-pub(super) fn keeps_upright(old: Vec3, new: Vec3, longest_squared: f32) -> bool {
-    let (old_squared, new_squared) = (old.length_squared(), new.length_squared());
+pub(super) fn keep_upright(old: Lanes3, new: Lanes3, longest_squared: Lanes) -> bool {
+    let zero = Lanes::splat(0.0);
+    let (old_squared, new_squared) = (old.dot(old), new.dot(new));
     let cosine = old.dot(new);
-    let upright = cosine > 0.0 && cosine * cosine >= MIN_NORMAL_COSINE * MIN_NORMAL_COSINE * old_squared * new_squared;
-    let solid = new_squared > MIN_SHAPE * MIN_SHAPE * longest_squared * longest_squared;
-    // A triangle without a direction has none to keep.
-    (upright || old_squared == 0.0) && (solid || new_squared >= old_squared)
+    let least = Lanes::splat(MIN_NORMAL_COSINE * MIN_NORMAL_COSINE) * old_squared * new_squared;
+    let (turned, aligned) = (cosine.at_most(zero), least.at_most(cosine * cosine));
+    let shapeless = old_squared.at_most(zero);
+    let solid = (longest_squared * longest_squared * Lanes::splat(MIN_SHAPE * MIN_SHAPE)).at_most(new_squared);
+    let vanished = new_squared.at_most(zero);
+    let grown = old_squared.at_most(new_squared);
+    let mut all = u32::MAX;
+    for k in 0..WIDTH {
+        let upright = (!turned[k] & aligned[k]) | shapeless[k];
+        let shaped = (solid[k] & !vanished[k]) | grown[k];
+        all &= upright & shaped;
+    }
+    all != 0
 }

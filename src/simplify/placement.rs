@@ -58,20 +58,15 @@ impl Lanes6 {
     }
 }
 
-#[inline(always)]
-fn gather3(v: [Vec3; WIDTH]) -> Lanes3 {
-    Lanes3 { x: Lanes(v.map(|v| v.x)), y: Lanes(v.map(|v| v.y)), z: Lanes(v.map(|v| v.z)) }
-}
-
 /// The best free position of each of the edges from `u` (quadric `qu`) to the `v` (`qv`):
 /// minimises (x+h)ᵀAᵤ(x+h) + (x−h)ᵀAᵥ(x−h) subject to the volume constraint, with x relative to
 /// the edge's midpoint and h half the edge.
 #[inline(always)]
 pub(super) fn solve(u: Vec3, qu: &Quadric, v: [Vec3; WIDTH], qv: [&Quadric; WIDTH]) -> [Placement; WIDTH] {
     let half = Lanes::splat(0.5);
-    let h = gather3(v.map(|v| v - u)).scale(half);
+    let h = Lanes3::gather(v.map(|v| v - u)).scale(half);
     let (a, b) = (Lanes6::gather([qu; WIDTH]), Lanes6::gather(qv));
-    let (gu, gv) = (gather3([qu.g; WIDTH]), gather3(qv.map(|q| q.g)));
+    let (gu, gv) = (Lanes3::gather([qu.g; WIDTH]), Lanes3::gather(qv.map(|q| q.g)));
     let r = (a.xx + b.xx + a.yy + b.yy + a.zz + b.zz) * Lanes::splat(REGULARISATION);
     // S = Aᵤ + Aᵥ + r I = L D Lᵀ. Its true pivots are at least r; rounding may not push them below.
     let least = r * half;

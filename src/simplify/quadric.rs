@@ -6,7 +6,22 @@
 //! Q(v + d) = dᵀ A d, with A = Σ area · n nᵀ. Being relative to its own vertex it keeps its
 //! precision far from the origin, in `f32`.
 
-use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
+use std::ops::{Add, AddAssign, Mul, Sub, SubAssign};
+
+use super::lanes::{Lanes, Lanes3, WIDTH};
+
+/// The larger of two numbers that are not NaN. `f32::max` heeds NaN, and WebAssembly's own
+/// instruction does so differently, so that it becomes a call; this is one comparison.
+#[inline(always)]
+pub(super) fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers that are not NaN; see [`larger`].
+#[inline(always)]
+pub(super) fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
 
 /// A vector of three `f32`; just the operators the simplifier needs.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -73,14 +88,6 @@ impl Mul<f32> for Vec3 {
     }
 }
 
-impl Neg for Vec3 {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        self * -1.0
-    }
-}
-
 /// A symmetric 3×3 matrix `A`, and the area vector sum `g` of the same one-ring.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Quadric {
@@ -104,6 +111,25 @@ impl Quadric {
         let s = if length > 0.0 { 1.0 / length } else { 0.0 };
         let m = n * s;
         Self { xx: m.x * n.x, xy: m.x * n.y, xz: m.x * n.z, yy: m.y * n.y, yz: m.y * n.z, zz: m.z * n.z, g: n }
+    }
+
+    /// As [`Quadric::of_triangle`], four at once.
+    #[inline(always)]
+    pub(super) fn of_triangles(n: Lanes3) -> [Self; WIDTH] {
+        let length = n.dot(n).sqrt();
+        // A triangle of no area has no weight: 0 · (1 / tiny) and not 0 / 0.
+        let m = n.scale(Lanes::splat(1.0) / length.max(Lanes::splat(f32::MIN_POSITIVE)));
+        let (xx, xy, xz) = (m.x * n.x, m.x * n.y, m.x * n.z);
+        let (yy, yz, zz) = (m.y * n.y, m.y * n.z, m.z * n.z);
+        std::array::from_fn(|k| Self {
+            xx: xx.0[k],
+            xy: xy.0[k],
+            xz: xz.0[k],
+            yy: yy.0[k],
+            yz: yz.0[k],
+            zz: zz.0[k],
+            g: Vec3 { x: n.x.0[k], y: n.y.0[k], z: n.z.0[k] },
+        })
     }
 
     /// Squared distance to the line along `e`, times |e|² · `weight`: holds borders and seams.
@@ -134,7 +160,7 @@ impl Quadric {
     /// dᵀ A d: squared distance times area at the offset `d` from the vertex; never negative.
     #[inline(always)]
     pub(super) fn error_at(&self, d: Vec3) -> f32 {
-        d.dot(self.apply(d)).max(0.0)
+        larger(d.dot(self.apply(d)), 0.0)
     }
 
     /// The sum of the weights: the trace of a sum of w·n nᵀ.

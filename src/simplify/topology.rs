@@ -69,7 +69,7 @@ impl Topology {
         }
         let mut pool = vec![0; sum as usize];
         // Room for appended fans, so that compaction is rare.
-        pool.reserve_exact(sum as usize / 2 + 1024);
+        pool.reserve_exact(sum as usize + 1024);
         for (t, triangle) in triangles.iter().enumerate() {
             for &v in triangle {
                 let vertex = &mut vertices[v as usize];
