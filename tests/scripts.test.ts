@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { stagesFrom } from '../scripts/build.mjs';
-import { countCargo, countVitest, judge, none } from '../scripts/counts.mjs';
+import { compact, countCargo, countVitest, judge, none } from '../scripts/counts.mjs';
 import { run } from '../scripts/project.mjs';
 import { portFrom, serve } from '../scripts/serve.mjs';
 import { cacheDirectory, wasmBindgenVersion } from '../scripts/setup.mjs';
@@ -36,6 +36,13 @@ describe('counting', () => {
 
   it('counts nothing where no report was written', () => {
     expect(countVitest(undefined)).toEqual(none);
+  });
+});
+
+describe('what a failed run shows', () => {
+  it('is what failed', () => {
+    const output = `   Compiling a v1.0.0\ntest a ... ok\ntest b ... FAILED\n\nsuccesses:\n\n---- a stdout ----\nnote\n\n\nsuccesses:\n    a\n\n${summary(1, 1, 0)}`;
+    expect(compact(output)).toBe(`test b ... FAILED\n\nsuccesses:\n\n---- a stdout ----\nnote\n\n${summary(1, 1, 0).trim()}`);
   });
 });
 
