@@ -1,0 +1,33 @@
+// The bench models: OBJ text in gzip, read to bare arrays.
+import { existsSync, readFileSync } from 'node:fs';
+import { gunzipSync } from 'node:zlib';
+
+/** Where the models are; they are too large to live in the repository. */
+export const folder = new URL('../../../shared/assets/bench/', import.meta.url);
+
+export const available = existsSync(folder);
+
+/** Positions and indices of one model by its base name, e.g. `stanford-bunny`. */
+export function loadModel(name) {
+  const text = gunzipSync(readFileSync(new URL(`${name}.obj.gz`, folder))).toString('latin1');
+  const positions = [];
+  const indices = [];
+  for (const line of text.split('\n')) {
+    const words = line.trim().split(/\s+/);
+    if (words[0] === 'v') {
+      positions.push(Number(words[1]), Number(words[2]), Number(words[3]));
+    } else if (words[0] === 'f') {
+      const corners = words.slice(1).map((word) => Number.parseInt(word, 10) - 1);
+      for (let k = 1; k + 1 < corners.length; k++) indices.push(corners[0], corners[k], corners[k + 1]);
+    }
+  }
+  return { positions: new Float32Array(positions), indices: new Uint32Array(indices) };
+}
+
+/** The mesh as OBJ text, for meters that read files. */
+export function toObj({ positions, indices }) {
+  const lines = [];
+  for (let i = 0; i < positions.length; i += 3) lines.push(`v ${positions[i]} ${positions[i + 1]} ${positions[i + 2]}`);
+  for (let i = 0; i < indices.length; i += 3) lines.push(`f ${indices[i] + 1} ${indices[i + 1] + 1} ${indices[i + 2] + 1}`);
+  return `${lines.join('\n')}\n`;
+}
