@@ -265,4 +265,10 @@ fn blend_influences(joints: &mut [f32], weights: &mut [f32], (a, b, n): (usize, 
         joints[b + k] = joint;
         weights[b + k] = weight * total / kept;
     }
+    // Weights that summed to 1 still do, to the last bit that the sum can show: the strongest
+    // takes up the rounding.
+    if (total - 1.0).abs() < 1e-3 {
+        let others: f64 = weights[b + 1..b + n].iter().map(|&w| f64::from(w)).sum();
+        weights[b] = (1.0 - others) as f32;
+    }
 }

@@ -6,9 +6,6 @@ use serde_json::{Value, json};
 use super::accessor::Layout;
 use super::json::text;
 
-/// Weights further from 1 than this were meant otherwise, or mean nothing.
-const FAULTY_WEIGHTS: f64 = 0.02;
-
 /// Weights nearer to 1 than this are as near as single precision gets.
 const ROUNDED_WEIGHTS: f64 = 1e-7;
 
@@ -136,12 +133,13 @@ impl Layout {
         }
     }
 
-    /// Weights add up to 1, but not quite in some files, nor after rounding to integers: those are
-    /// put right at the largest.
+    /// Weights add up to 1 by the specification, but not in every file, nor after rounding to
+    /// integers. Renderers scale them at load, so scaling them here changes no picture; the rounding
+    /// is put right at the largest.
     fn complete_weights(self, stored: &mut [f64]) {
         let sum: f64 = stored.iter().sum();
         match self.range() {
-            None if (ROUNDED_WEIGHTS..FAULTY_WEIGHTS).contains(&(sum - 1.0).abs()) => {
+            None if sum > ROUNDED_WEIGHTS && (sum - 1.0).abs() > ROUNDED_WEIGHTS => {
                 stored.iter_mut().for_each(|weight| *weight /= sum);
             }
             Some((_, high)) if self.normalized && (sum - high).abs() <= stored.len() as f64 => {
