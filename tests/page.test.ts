@@ -1,0 +1,443 @@
+// The page as people use it: a real browser, real files, found by role and name. Any console error fails a test.
+import { readFileSync, readdirSync } from 'node:fs';
+import type { BrowserContextOptions, Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { readFirstPrimitive, subdivide, writeGlb } from '../benches/support/subdivide.mjs';
+import { at } from '../scripts/project.mjs';
+import { dropFiles, startPage } from './support/browser.mjs';
+import { INVALID_FILES } from './support/invalid_files.ts';
+import { gltfErrors } from './support/validate.ts';
+
+const LONG = { timeout: 40_000 };
+const fixture = (...path: string[]): Buffer => readFileSync(at('tests', 'fixtures', ...path));
+const sample = (name: string): Buffer => readFileSync(at('www', 'samples', name));
+const fan = { name: 'desk-fan.glb', bytes: sample('desk-fan.glb') };
+const nefertiti = { name: 'nefertiti.glb', bytes: sample('nefertiti.glb') };
+
+let served: Awaited<ReturnType<typeof startPage>>;
+let page: Page;
+let problems: string[];
+
+beforeAll(async () => {
+  served = await startPage();
+});
+afterAll(() => served?.close());
+
+async function openPage(options: BrowserContextOptions = {}, path = ''): Promise<void> {
+  const context = await served.browser.newContext({ viewport: { width: 1100, height: 760 }, reducedMotion: 'reduce', ...options });
+  page = await context.newPage();
+  page.setDefaultTimeout(LONG.timeout);
+  page.on('console', (message) => {
+    if (message.type() === 'error') problems.push(message.text());
+  });
+  page.on('pageerror', (error) => problems.push(String(error)));
+  await page.goto(served.url + path);
+}
+
+beforeEach(() => {
+  problems = [];
+});
+afterEach(async () => {
+  await page.context().close();
+  expect(problems).toEqual([]);
+});
+
+const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true });
+const status = (text: RegExp) => page.getByRole('status').filter({ hasText: text }).waitFor(LONG);
+const ready = () => status(/^Ready/);
+const wanted = async (): Promise<number> => Number(await slider().inputValue());
+const figure = async (name: string): Promise<string> =>
+  page.getByRole('term').filter({ hasText: name }).locator('xpath=following-sibling::dd').locator('.after').innerText();
+const shownTriangles = async (): Promise<number> => Number((await figure('Triangles')).replaceAll(',', ''));
+const sizeIsMeasured = () => page.locator('.mesh-stats .pending').first().waitFor({ ...LONG, state: 'detached' });
+
+async function drop(...files: Array<{ name: string; bytes: Uint8Array }>): Promise<void> {
+  await dropFiles(page, files);
+}
+
+async function download(): Promise<{ name: string; bytes: Buffer }> {
+  const [saved] = await Promise.all([
+    page.waitForEvent('download', LONG),
+    page.getByRole('button', { name: 'Download', exact: true }).click(),
+  ]);
+  return { name: saved.suggestedFilename(), bytes: readFileSync(await saved.path()) };
+}
+
+describe('the main job', () => {
+  it('drops a GLB, moves the slider by keyboard, downloads a valid smaller file and opens it again', async () => {
+    await openPage();
+    await drop(fan);
+    await ready();
+    expect(await wanted()).toBe(21_080);
+    expect(await figure('File size')).toBe('1.66 MB');
+
+    await slider().focus();
+    await page.keyboard.press('PageDown');
+    await page.keyboard.press('PageDown');
+    const target = await wanted();
+    expect(target).toBeLessThan(21_080);
+    await status(/^Ready\. Showing/);
+    const shown = await shownTriangles();
+    expect(shown).toBeLessThanOrEqual(target);
+    expect(shown).toBeGreaterThan(target - 20);
+    expect(await figure('Estimated error')).toMatch(/^(?!0 %)[\d.]+ %$/);
+    await sizeIsMeasured();
+    expect(await figure('File size')).not.toBe('1.66 MB');
+
+    const saved = await download();
+    expect(saved.name).toBe('desk-fan.glb');
+    expect(saved.bytes.length).toBeLessThan(fan.bytes.length);
+    expect(await gltfErrors(new Uint8Array(saved.bytes))).toEqual([]);
+
+    await drop({ name: 'again.glb', bytes: saved.bytes });
+    await ready();
+    expect(await wanted()).toBe(shown);
+    expect(await page.title()).toContain('again');
+    expect(await page.getByRole('combobox', { name: 'Animation' }).locator('option').count()).toBe(4);
+  });
+
+  it('saves OBJ under the original name', async () => {
+    await openPage();
+    await drop({ name: 'my model.v2.obj', bytes: fixture('obj', 'concave.obj') });
+    await ready();
+    await page.getByRole('combobox', { name: 'File format' }).selectOption('OBJ');
+    const saved = await download();
+    expect(saved.name).toBe('my model.v2.obj');
+    expect(saved.bytes.toString()).toMatch(/^f /m);
+    await drop(saved);
+    await ready();
+  });
+
+  it('takes a glTF with its files', async () => {
+    await openPage();
+    await drop(
+      { name: '18_variants.bin', bytes: fixture('gltf', '18_variants', '18_variants.bin') },
+      { name: '18_variants.gltf', bytes: fixture('gltf', '18_variants', '18_variants.gltf') },
+    );
+    await ready();
+    expect(await wanted()).toBe(12);
+    expect((await download()).name).toBe('18_variants.glb');
+  });
+
+  it('opens a chosen file and a sample', async () => {
+    await openPage();
+    await page.getByLabel('Choose a model').setInputFiles(at('tests', 'fixtures', 'gltf', 'cubevc.glb'));
+    await ready();
+    expect(await wanted()).toBe(48);
+    await page.reload();
+    await page.getByRole('button', { name: /^Nefertiti/ }).click();
+    await ready();
+    expect(await wanted()).toBe(70_000);
+    await page.getByText('public domain').waitFor();
+  });
+});
+
+describe('?model=', () => {
+  it('opens a model from an address', async () => {
+    const asset = readdirSync(at('site', 'assets')).find((name) => /^nefertiti.*\.glb$/.test(name));
+    await openPage({}, `?model=assets/${asset}`);
+    await ready();
+    expect(await wanted()).toBe(70_000);
+  });
+
+  it('opens a glTF with the files beside it', async () => {
+    await openPage();
+    await page.route('**/models/*', (route) => {
+      const name = new URL(route.request().url()).pathname.split('/').pop() ?? '';
+      return route.fulfill({ body: fixture('gltf', '18_variants', name) });
+    });
+    await page.goto(`${served.url}?model=models/18_variants.gltf`);
+    await ready();
+    expect(await wanted()).toBe(12);
+    expect((await download()).name).toBe('18_variants.glb');
+  });
+
+  it('says what is wrong with an address', async () => {
+    await openPage({}, '?model=assets/missing.glb');
+    await page.getByRole('alert').filter({ hasText: 'cannot-read' }).waitFor();
+    expect(await page.getByRole('alert').innerText()).toContain('404');
+    // The browser itself reports the 404.
+    problems = problems.filter((text) => !text.includes('404'));
+    await drop(nefertiti);
+    await ready();
+  });
+});
+
+describe('bad files', () => {
+  const good = fixture('gltf', 'cubevc.glb');
+
+  it('gives each its notice with a code, and keeps the model and the page working', async () => {
+    await openPage();
+    await drop({ name: 'good.glb', bytes: good });
+    await ready();
+    for (const { name, bytes, code, place } of INVALID_FILES) {
+      await drop({ name, bytes });
+      const notice = page.getByRole('alert');
+      await notice.waitFor(LONG);
+      expect(await notice.locator('code').innerText(), name).toBe(code);
+      expect(await notice.innerText(), name).toMatch(place);
+      await notice.getByRole('button', { name: 'Dismiss' }).click();
+      await notice.waitFor({ state: 'detached' });
+      expect(await wanted(), `the model after ${name}`).toBe(48);
+    }
+    await slider().focus();
+    await page.keyboard.press('Home');
+    await status(/^Ready\. Showing/);
+    await drop(nefertiti);
+    await ready();
+    expect(await wanted()).toBe(70_000);
+  });
+
+  it('puts the notice away by Escape, without a model too', async () => {
+    await openPage();
+    await drop({ name: 'text.glb', bytes: Buffer.from('nothing') });
+    await page.getByRole('alert').waitFor();
+    await page.keyboard.press('Escape');
+    await page.getByRole('alert').waitFor({ state: 'detached' });
+    await page.getByRole('button', { name: /^Desk fan/ }).waitFor();
+  });
+});
+
+describe('the slider', () => {
+  it('goes by arrows, pages, Home and End, and can be undone', async () => {
+    await openPage();
+    await drop(nefertiti);
+    await ready();
+    await slider().focus();
+    const press = async (key: string): Promise<number> => {
+      await page.keyboard.press(key);
+      return wanted();
+    };
+    const arrow = await press('ArrowLeft');
+    expect(arrow).toBeLessThan(70_000);
+    const paged = await press('PageDown');
+    expect(paged).toBeLessThan(arrow * 0.6);
+    expect(await press('Shift+ArrowRight')).toBe(paged + 1);
+    const fewest = await press('Home');
+    expect(fewest).toBe(Number(await slider().getAttribute('min')));
+    await status(/^Ready\. Showing/);
+    expect(await slider().getAttribute('aria-valuetext')).toMatch(/^[\d,]+ of 70,000 triangles/);
+    expect(await press('End')).toBe(70_000);
+    expect(await press('Control+z')).toBe(fewest);
+    expect(await press('Control+z')).toBe(paged + 1);
+    expect(await press('Control+Shift+z')).toBe(fewest);
+
+    const field = page.getByRole('textbox', { name: 'Exact triangle count' });
+    await field.fill('12,345');
+    await field.press('Enter');
+    expect(await wanted()).toBe(12_345);
+    await page.getByRole('button', { name: 'Keep 10 %' }).click();
+    await status(/^Ready\. Showing (7,000|6,9\d\d) of 70,000/);
+    // A script or a screen reader may set the value itself.
+    await slider().fill('500');
+    await status(/^Ready\. Showing (500|49\d) of/);
+  });
+
+  it('follows the pointer, and one drag is one step to undo', async () => {
+    await openPage();
+    await drop(nefertiti);
+    await ready();
+    const box = await slider().boundingBox();
+    if (box === null) throw new Error('the slider is not visible');
+    await page.mouse.move(box.x + box.width - 13, box.y + box.height / 2);
+    await page.mouse.down();
+    for (const part of [0.9, 0.7, 0.5]) await page.mouse.move(box.x + box.width * part, box.y + box.height / 2);
+    await page.mouse.up();
+    expect(await wanted()).toBeLessThan(7000);
+    await page.getByRole('button', { name: 'Undo' }).click();
+    expect(await wanted()).toBe(70_000);
+  });
+
+  it('may be moved while the history is recorded, which Escape stops', async () => {
+    await openPage();
+    const large = writeGlb(subdivide(readFirstPrimitive(nefertiti.bytes), 1));
+    await drop({ name: 'large.glb', bytes: large });
+    await status(/^Simplifying/);
+    const bar = page.getByRole('progressbar');
+    await bar.waitFor();
+    await page.keyboard.press('Escape');
+    await status(/^Cancelled/);
+    await slider().focus();
+    await page.keyboard.press('PageDown');
+    await status(/^Simplifying/);
+    await page.keyboard.press('PageDown');
+    const target = await wanted();
+    await status(/^Ready\. Showing/);
+    expect(await shownTriangles()).toBeLessThanOrEqual(target);
+  });
+});
+
+describe('the view', () => {
+  // Byte for byte: nothing moves, and the software renderer draws the same picture every time.
+  const picture = (): Promise<Buffer> => page.screenshot({ clip: { x: 200, y: 100, width: 700, height: 380 } });
+  const pictureBecomes = (test: (now: Buffer) => boolean) => expect.poll(async () => test(await picture()), LONG).toBe(true);
+
+  it('shows the model, orbits, draws edges and compares with the original', async () => {
+    await openPage();
+    const empty = await picture();
+    await drop(nefertiti);
+    await ready();
+    await pictureBecomes((now) => !now.equals(empty));
+    const original = await picture();
+
+    await slider().focus();
+    await page.keyboard.press('Home');
+    await status(/^Ready\. Showing/);
+    await pictureBecomes((now) => !now.equals(original));
+    const coarse = await picture();
+    await page.keyboard.down('c');
+    await pictureBecomes((now) => now.equals(original));
+    await page.keyboard.up('c');
+    await pictureBecomes((now) => now.equals(coarse));
+    const compare = page.getByRole('button', { name: 'Hold to compare with the original' });
+    await compare.focus();
+    await page.keyboard.down(' ');
+    await pictureBecomes((now) => now.equals(original));
+    await page.keyboard.up(' ');
+    await pictureBecomes((now) => now.equals(coarse));
+
+    const edges = page.getByRole('button', { name: 'Wireframe' });
+    await edges.click();
+    expect(await edges.getAttribute('aria-pressed')).toBe('true');
+    await pictureBecomes((now) => !now.equals(coarse));
+    await edges.click();
+    await pictureBecomes((now) => now.equals(coarse));
+
+    await page.getByRole('application').focus();
+    await page.keyboard.press('ArrowLeft');
+    await pictureBecomes((now) => !now.equals(coarse));
+    await page.keyboard.press('f');
+    await page.getByRole('button', { name: 'Fit to view' }).focus();
+    await pictureBecomes((now) => now.equals(coarse));
+    await page.mouse.move(500, 250);
+    await page.mouse.down();
+    await page.mouse.move(620, 260);
+    await page.mouse.up();
+    await pictureBecomes((now) => !now.equals(coarse));
+  });
+
+  it('plays and pauses an animation', async () => {
+    await openPage();
+    await drop(fan);
+    await ready();
+    const still = await picture();
+    await page.getByRole('combobox', { name: 'Animation' }).selectOption('fanRunning');
+    await page.getByRole('button', { name: 'Play animation' }).click();
+    await pictureBecomes((now) => !now.equals(still));
+    await page.getByRole('button', { name: 'Pause animation' }).click();
+    await page.getByRole('button', { name: 'Play animation' }).waitFor();
+  });
+
+  it('draws skins and morph targets at a lower level too', async () => {
+    await openPage();
+    for (const name of ['AnimatedMorphCube.glb', 'SimpleSkin.gltf']) {
+      await drop({ name, bytes: fixture('gltf', name) });
+      await ready();
+      await slider().focus();
+      await page.keyboard.press('Home');
+      await ready();
+    }
+  });
+
+  it('works on the page itself where canvases cannot be given to workers, and survives a lost context', async () => {
+    await openPage();
+    await page.addInitScript(() => Reflect.deleteProperty(HTMLCanvasElement.prototype, 'transferControlToOffscreen'));
+    await page.reload();
+    const empty = await picture();
+    await drop(nefertiti);
+    await ready();
+    await pictureBecomes((now) => !now.equals(empty));
+    const before = await picture();
+    await page.evaluate(() => {
+      const gl = document.querySelector('canvas')?.getContext('webgl2');
+      const loser = gl?.getExtension('WEBGL_lose_context');
+      Object.assign(globalThis, { restore: () => loser?.restoreContext() });
+      loser?.loseContext();
+    });
+    await status(/graphics card/);
+    await page.evaluate(() => (globalThis as unknown as { restore(): void }).restore());
+    await ready();
+    await pictureBecomes((now) => now.equals(before));
+  });
+
+  it('goes on without WebGL', async () => {
+    await openPage();
+    await page.addInitScript(() => {
+      Reflect.deleteProperty(HTMLCanvasElement.prototype, 'transferControlToOffscreen');
+      HTMLCanvasElement.prototype.getContext = () => null;
+    });
+    await page.reload();
+    await page.getByRole('alert').filter({ hasText: 'no-webgl' }).waitFor();
+    // three says it too.
+    problems = problems.filter((text) => !text.includes('WebGL'));
+    await drop(fan);
+    await ready();
+    await slider().focus();
+    await page.keyboard.press('PageDown');
+    await status(/^Ready\. Showing/);
+    expect((await download()).bytes.length).toBeLessThan(fan.bytes.length);
+  });
+});
+
+describe('for everyone', () => {
+  const scrollsSideways = () => page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
+
+  it('names everything that can be used', async () => {
+    await openPage();
+    const unnamed = async (): Promise<string[]> => {
+      const found: string[] = [];
+      for (const role of ['button', 'link', 'slider', 'combobox', 'textbox', 'progressbar', 'application', 'toolbar'] as const) {
+        for (const element of await page.getByRole(role).all()) {
+          // Playwright computes names as assistive technology does: the snapshot's line has it in quotes.
+          const line = (await element.ariaSnapshot()).split('\n')[0] ?? '';
+          if (!/"[^"]+"/.test(line)) found.push(`${role}: ${await element.evaluate((node) => node.outerHTML.slice(0, 120))}`);
+        }
+      }
+      return found;
+    };
+    expect(await unnamed()).toEqual([]);
+    expect(await page.getByRole('heading', { level: 1 }).count()).toBe(1);
+    expect(await page.getByRole('main').count()).toBe(1);
+    expect(await page.getByRole('listitem').getByRole('button').count()).toBeGreaterThanOrEqual(3);
+    expect(await page.getByLabel('Choose a model').getAttribute('type')).toBe('file');
+    await drop(fan);
+    await ready();
+    expect(await unnamed()).toEqual([]);
+    expect(await page.getByRole('status').count()).toBe(1);
+    expect(await page.locator('html').getAttribute('lang')).toBe('en');
+    expect(await page.evaluate(() => {
+      const ids = [...document.querySelectorAll('[id]')].map(({ id }) => id);
+      return ids.length - new Set(ids).size;
+    })).toBe(0);
+  });
+
+  it('fits 360 pixels, with room for fingers', async () => {
+    await openPage({ viewport: { width: 360, height: 740 }, hasTouch: true, isMobile: true });
+    expect(await scrollsSideways()).toBe(false);
+    await drop(fan);
+    await ready();
+    expect(await scrollsSideways()).toBe(false);
+    for (const target of [slider(), page.getByRole('button', { name: 'Download', exact: true }), page.getByRole('button', { name: 'Wireframe' })]) {
+      const box = await target.boundingBox();
+      expect(box?.height).toBeGreaterThanOrEqual(36);
+      expect(box?.x).toBeGreaterThanOrEqual(0);
+      expect((box?.x ?? 0) + (box?.width ?? 0)).toBeLessThanOrEqual(360);
+    }
+    await drop({ name: 'a-very-long-name-that-fits-into-no-bar-of-any-telephone-at-all.glb', bytes: Buffer.from('no model') });
+    await page.getByRole('alert').waitFor();
+    expect(await scrollsSideways()).toBe(false);
+  });
+
+  it('remembers dark and light', async () => {
+    await openPage({ colorScheme: 'light' });
+    const paper = () => page.evaluate(() => getComputedStyle(document.documentElement).getPropertyValue('--paper').trim());
+    const light = await paper();
+    await page.getByRole('button', { name: 'Theme: system' }).click();
+    await page.getByRole('button', { name: 'Theme: light' }).click();
+    await page.getByRole('button', { name: 'Theme: dark' }).waitFor();
+    expect(await paper()).not.toBe(light);
+    await page.reload();
+    await page.getByRole('button', { name: 'Theme: dark' }).waitFor();
+    expect(await paper()).not.toBe(light);
+  });
+});

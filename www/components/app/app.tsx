@@ -1,0 +1,127 @@
+// The page as a function of its state: which parts are there and what their events mean.
+import { samples } from '../../samples/samples.ts';
+import type { Sample } from '../../samples/samples.ts';
+import { fewestTriangles, isBusy, isSettled, progress, statusText } from '../../state.ts';
+import type { Model, OutputFormat, State, View } from '../../state.ts';
+import { Download } from '../download/download.tsx';
+import { DropHint, Landing } from '../drop-zone/drop-zone.tsx';
+import { FileChooser } from '../drop-zone/file-chooser.tsx';
+import { LodSlider } from '../lod-slider/lod-slider.tsx';
+import { Logo } from '../logo/logo.tsx';
+import { MeshStats } from '../mesh-stats/mesh-stats.tsx';
+import { Notice } from '../notice/notice.tsx';
+import { Progress } from '../progress/progress.tsx';
+import { Samples } from '../samples/samples.tsx';
+import { ThemeButton } from '../theme-button/theme-button.tsx';
+import { Toolbar } from '../toolbar/toolbar.tsx';
+import './app.css';
+
+/** What the user can do; the wiring decides what it does. */
+export interface Actions {
+  openFiles(files: FileList): void;
+  openSample(sample: Sample): void;
+  cancel(): void;
+  dismiss(): void;
+  moveTarget(triangles: number, gesture: number): void;
+  undo(): void;
+  redo(): void;
+  fit(): void;
+  changeView(change: Partial<View>): void;
+  chooseFormat(format: OutputFormat): void;
+  download(): void;
+}
+
+export function App({ state, actions }: { readonly state: State; readonly actions: Actions }) {
+  const { model, notice, view } = state;
+  const status = statusText(state);
+  return (
+    <>
+      <header class="top-bar">
+        <a class="brand" href="./" aria-label="Decimesh, start page">
+          <Logo />
+          <span class="brand-name">decimesh</span>
+        </a>
+        {model !== null && <p class="model-name" title={model.credit || undefined}>{model.name}</p>}
+        <div class="top-actions">
+          {model !== null && <FileChooser id="file" label="Open" onFiles={actions.openFiles} />}
+          <ThemeButton theme={view.theme} onTheme={(theme) => actions.changeView({ theme })} />
+        </div>
+      </header>
+
+      {model === null ? (
+        <Landing onFiles={actions.openFiles}>
+          <Samples samples={samples} onChoose={actions.openSample} />
+        </Landing>
+      ) : (
+        <ModelPanel state={state} model={model} actions={actions} />
+      )}
+
+      <div class="messages">
+        {notice !== null && <Notice notice={notice} onDismiss={actions.dismiss} />}
+        {model === null && isBusy(state) && (
+          <div class="panel busy-panel">
+            <p>{status}</p>
+            <Progress fraction={progress(state)} label={status} onCancel={actions.cancel} />
+          </div>
+        )}
+      </div>
+      {state.dragging && <DropHint />}
+      <p class={model === null ? 'visually-hidden' : 'status'} role="status">{status}</p>
+    </>
+  );
+}
+
+function ModelPanel({ state, model, actions }: { readonly state: State; readonly model: Model; readonly actions: Actions }) {
+  const settled = isSettled(model);
+  const { output } = model;
+  const outputCurrent =
+    output !== null && output.wantedTriangles === model.wantedTriangles && output.format === state.outputFormat;
+  return (
+    <main class="workspace">
+      <Toolbar
+        view={state.view}
+        animations={model.animations}
+        canUndo={model.undo.length > 0}
+        canRedo={model.redo.length > 0}
+        onFit={actions.fit}
+        onView={actions.changeView}
+        onUndo={actions.undo}
+        onRedo={actions.redo}
+      />
+      <div class="dock" data-inset>
+        {model.credit !== '' && <p class="credit">{model.credit}</p>}
+        <section class="panel model-panel" aria-label="Simplification">
+          {isBusy(state) && <Progress fraction={progress(state)} label={statusText(state)} onCancel={actions.cancel} />}
+          <LodSlider
+            value={model.wantedTriangles}
+            fewest={fewestTriangles(model)}
+            all={model.source.triangles}
+            pending={!settled}
+            onChange={actions.moveTarget}
+          />
+          <div class="panel-foot">
+            <MeshStats model={model} pending={!settled} outputCurrent={outputCurrent} />
+            <Download
+              format={state.outputFormat}
+              busy={state.task?.kind === 'writing'}
+              onFormat={actions.chooseFormat}
+              onDownload={actions.download}
+            />
+          </div>
+          {model.warnings.length > 0 && (
+            <details class="warnings">
+              <summary>{model.warnings.length === 1 ? '1 remark about this file' : `${model.warnings.length} remarks about this file`}</summary>
+              <ul>
+                {model.warnings.map((warning, index) => (
+                  <li key={index}>
+                    {warning.message} <code>{warning.where || warning.code}</code>
+                  </li>
+                ))}
+              </ul>
+            </details>
+          )}
+        </section>
+      </div>
+    </main>
+  );
+}

@@ -1,0 +1,63 @@
+// What the file was and what it has become: counts, size and error, side by side.
+import type { ComponentChildren } from 'preact';
+import { formatBytes, formatCount, formatLength, formatShare } from '../../format.ts';
+import type { Model } from '../../state.ts';
+import './mesh-stats.css';
+
+interface MeshStatsProps {
+  readonly model: Model;
+  /** Whether the level on screen is still to follow. */
+  readonly pending: boolean;
+  /** Whether the size belongs to what is wanted now. */
+  readonly outputCurrent: boolean;
+}
+
+export function MeshStats({ model, pending, outputCurrent }: MeshStatsProps) {
+  const { source, shown, output } = model;
+  return (
+    <dl class="mesh-stats">
+      <Figure name="Triangles" before={formatCount(source.triangles)} after={formatCount(shown.triangles)} change={shown.triangles / source.triangles} pending={pending} />
+      <Figure name="Vertices" before={formatCount(source.vertices)} after={formatCount(shown.vertices)} change={shown.vertices / source.vertices} pending={pending} />
+      <Figure
+        name="File size"
+        before={formatBytes(source.bytes)}
+        after={output === null ? '…' : formatBytes(output.bytes)}
+        change={output === null ? null : output.bytes / source.bytes}
+        pending={!outputCurrent}
+      />
+      <div class={pending ? 'figure pending' : 'figure'}>
+        <dt>
+          <abbr title="Estimated from the simplification itself, not measured; relative to the bounding box’s diagonal">Estimated error</abbr>
+        </dt>
+        <dd>
+          <span class="after">{formatShare(source.diagonal > 0 ? shown.estimatedError / source.diagonal : 0)}</span>
+          <span class="before">{formatLength(shown.estimatedError)} units</span>
+        </dd>
+      </div>
+    </dl>
+  );
+}
+
+interface FigureProps {
+  readonly name: ComponentChildren;
+  readonly before: string;
+  readonly after: string;
+  /** After as a share of before. */
+  readonly change: number | null;
+  readonly pending: boolean;
+}
+
+function Figure({ name, before, after, change, pending }: FigureProps) {
+  return (
+    <div class={pending ? 'figure pending' : 'figure'}>
+      <dt>{name}</dt>
+      <dd>
+        <span class="after">{after}</span>
+        <span class="before">
+          of {before}
+          {change !== null && <span class="change">{formatShare(change)}</span>}
+        </span>
+      </dd>
+    </div>
+  );
+}

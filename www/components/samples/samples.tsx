@@ -1,0 +1,25 @@
+// The sample models as buttons, with their pictures.
+import type { Sample } from '../../samples/samples.ts';
+import { formatCount } from '../../format.ts';
+import './samples.css';
+
+interface SamplesProps {
+  readonly samples: readonly Sample[];
+  onChoose(sample: Sample): void;
+}
+
+export function Samples({ samples, onChoose }: SamplesProps) {
+  return (
+    <ul class="samples">
+      {samples.map((sample) => (
+        <li key={sample.name}>
+          <button type="button" onClick={() => onChoose(sample)}>
+            <img src={sample.picture} alt="" width={96} height={96} />
+            <span class="sample-name">{sample.name}</span>
+            <span class="sample-count">{formatCount(sample.triangles)} triangles</span>
+          </button>
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -1,0 +1,127 @@
+// Gathers the files of a model from a drop, a file input or a web address, each under its path as a model refers to it.
+
+/** File name endings that the engine reads. */
+export const MODEL_EXTENSIONS: readonly string[] = ['glb', 'gltf', 'obj'];
+
+/** Files in a dropped folder beyond this are left out: somebody dropped their disk. */
+const FILE_LIMIT = 2000;
+
+const extensionOf = (name: string): string => /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase() ?? '';
+
+/** `models/vase.v2.glb` → `vase.v2`. */
+export const baseName = (name: string): string => {
+  const last = name.split('/').pop() ?? name;
+  return last.replace(/\.[^.]+$/, '') || last;
+};
+
+/** The file that is the model among its textures and buffers; the first one when none looks like a model. */
+export const modelFile = (files: readonly File[]): File | undefined =>
+  files.find((file) => MODEL_EXTENSIONS.includes(extensionOf(file.name))) ?? files[0];
+
+/** The files of a drop, folders read to their depth. Call it inside the event: a drop's items are gone afterwards. */
+export function filesOfDrop(transfer: DataTransfer): Promise<File[]> {
+  const entries = [...transfer.items].map((item) => (item.kind === 'file' ? item.webkitGetAsEntry() : null));
+  const found = entries.filter((entry) => entry !== null);
+  if (!found.some((entry) => entry.isDirectory)) return Promise.resolve([...transfer.files]);
+  return readEntries(found).then(relativeToModel);
+}
+
+/** The files of a file input; with `webkitdirectory` under their paths in the folder. */
+export const filesOfInput = (files: FileList): File[] =>
+  relativeToModel([...files].map((file) => named(file, file.webkitRelativePath || file.name)));
+
+// A model names its textures relative to itself.
+function relativeToModel(files: File[]): File[] {
+  const model = modelFile(files);
+  const folder = model?.name.includes('/') ? model.name.slice(0, model.name.lastIndexOf('/') + 1) : '';
+  return files.map((file) => (file.name.startsWith(folder) ? named(file, file.name.slice(folder.length)) : file));
+}
+
+// A file made of a file shares its bytes.
+const named = (file: File, name: string): File => (file.name === name ? file : new File([file], name, { type: file.type }));
+
+async function readEntries(roots: FileSystemEntry[]): Promise<File[]> {
+  const files: File[] = [];
+  const waiting = roots.map((entry) => ({ entry, path: entry.name }));
+  for (let next = waiting.shift(); next !== undefined && files.length < FILE_LIMIT; next = waiting.shift()) {
+    const { entry, path } = next;
+    if (isFile(entry)) {
+      const file = await new Promise<File>((resolve, reject) => entry.file(resolve, reject));
+      files.push(named(file, path));
+    } else if (isDirectory(entry)) {
+      for (const child of await readDirectory(entry)) waiting.push({ entry: child, path: `${path}/${child.name}` });
+    }
+  }
+  return files;
+}
+
+const isFile = (entry: FileSystemEntry): entry is FileSystemFileEntry => entry.isFile;
+const isDirectory = (entry: FileSystemEntry): entry is FileSystemDirectoryEntry => entry.isDirectory;
+
+async function readDirectory(directory: FileSystemDirectoryEntry): Promise<FileSystemEntry[]> {
+  const reader = directory.createReader();
+  const all: FileSystemEntry[] = [];
+  // Browsers hand out a hundred at a time and an empty list at the end.
+  for (;;) {
+    const some = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
+    if (some.length === 0 || all.length >= FILE_LIMIT) return all;
+    all.push(...some);
+  }
+}
+
+/** A failed download, with the code and place that a notice shows. */
+export class FetchError extends Error {
+  readonly code = 'cannot-read';
+  constructor(
+    message: string,
+    /** The address. */
+    readonly where: string,
+  ) {
+    super(message);
+  }
+}
+
+/** The last part of an address's path, readable. */
+export function fileNameOf(address: URL): string {
+  return decodePath(address.pathname.split('/').pop() ?? '') || 'model';
+}
+
+/** A path with its escapes undone; a stray % is no escape and stays as it is. */
+export function decodePath(path: string): string {
+  try {
+    return decodeURIComponent(path);
+  } catch {
+    return path;
+  }
+}
+
+/** Downloads `address` as a file called `name`; `onProgress` gets 0..1, or null while the size is unknown. */
+export async function fetchFile(
+  address: URL,
+  name: string,
+  { signal, onProgress }: { signal: AbortSignal; onProgress?: (fraction: number | null) => void },
+): Promise<File> {
+  let response: Response;
+  try {
+    response = await fetch(address, { signal });
+  } catch (error) {
+    signal.throwIfAborted();
+    // Browsers keep the cause from scripts: it may be the network or a server that does not allow other pages.
+    throw new FetchError(`could not be downloaded (${error instanceof Error ? error.message : String(error)})`, address.href);
+  }
+  if (!response.ok) throw new FetchError(`the server answered ${response.status} ${response.statusText}`.trim(), address.href);
+  const total = Number(response.headers.get('content-length') ?? 0);
+  // The length counts compressed bytes, the stream gives them unpacked.
+  const countable = total > 0 && !response.headers.has('content-encoding');
+  const reader = response.body?.getReader();
+  if (reader === undefined) return new File([await response.blob()], name);
+  const chunks: BlobPart[] = [];
+  let received = 0;
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return new File(chunks, name);
+    chunks.push(value);
+    received += value.length;
+    onProgress?.(countable ? Math.min(received / total, 1) : null);
+  }
+}

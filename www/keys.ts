@@ -1,0 +1,75 @@
+// Keyboard shortcuts of the whole window, and of the view when it has the focus.
+import type { Actions } from './components/app/app.tsx';
+import type { CameraMove } from './preview/protocol.ts';
+import { isBusy } from './state.ts';
+import type { State } from './state.ts';
+
+/** Pixels of dragging that an arrow key stands for. */
+const ORBIT_STEP = 40;
+const ZOOM_STEP = 1.15;
+
+/** Joins keys to actions for as long as the page lives. */
+export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: CameraMove) => void, state: () => State): void {
+  addEventListener('keydown', (event) => {
+    const { key } = event;
+    if (key === 'Escape') {
+      if (isBusy(state())) actions.cancel();
+      else actions.dismiss();
+      return;
+    }
+    if (isTyping(event.target) || event.altKey) return;
+    if (event.ctrlKey || event.metaKey) {
+      const lower = key.toLowerCase();
+      if (lower === 'z' || lower === 'y') {
+        event.preventDefault();
+        if (lower === 'y' || event.shiftKey) actions.redo();
+        else actions.undo();
+      }
+      return;
+    }
+    if (state().model === null) return;
+    const turn = event.target === canvas ? cameraMove(key) : undefined;
+    if (turn !== undefined) {
+      event.preventDefault();
+      move(turn);
+    } else if (key === 'f' || key === 'F') actions.fit();
+    else if (key === 'w' || key === 'W') actions.changeView({ wireframe: !state().view.wireframe });
+    else if ((key === 'c' || key === 'C') && !event.repeat) actions.changeView({ comparing: true });
+    else if (key === ' ' && (event.target === canvas || event.target === document.body)) {
+      event.preventDefault();
+      actions.changeView({ playing: !state().view.playing });
+    }
+  });
+  const stopComparing = (): void => {
+    if (state().view.comparing) actions.changeView({ comparing: false });
+  };
+  addEventListener('keyup', (event) => {
+    if (event.key === 'c' || event.key === 'C') stopComparing();
+  });
+  // A key let go in another window is never told here.
+  addEventListener('blur', stopComparing);
+}
+
+/** What a key does to the camera, if anything. */
+function cameraMove(key: string): CameraMove | undefined {
+  switch (key) {
+    case 'ArrowLeft':
+      return { kind: 'orbit', x: -ORBIT_STEP, y: 0 };
+    case 'ArrowRight':
+      return { kind: 'orbit', x: ORBIT_STEP, y: 0 };
+    case 'ArrowUp':
+      return { kind: 'orbit', x: 0, y: -ORBIT_STEP };
+    case 'ArrowDown':
+      return { kind: 'orbit', x: 0, y: ORBIT_STEP };
+    case '+':
+    case '=':
+      return { kind: 'zoom', factor: ZOOM_STEP };
+    case '-':
+      return { kind: 'zoom', factor: 1 / ZOOM_STEP };
+    default:
+      return undefined;
+  }
+}
+
+const isTyping = (target: EventTarget | null): boolean =>
+  (target instanceof HTMLInputElement && target.type !== 'range' && target.type !== 'file') || target instanceof HTMLSelectElement;

@@ -1,0 +1,142 @@
+// Wiring only: makes the state, the worker client, the view and the session, and joins events to them.
+import { effect, signal } from '@preact/signals';
+import { render } from 'preact';
+import { createWorkerClient } from 'decimesh/worker';
+import { App } from './components/app/app.tsx';
+import type { Actions } from './components/app/app.tsx';
+import { fileNameOf, filesOfDrop, filesOfInput } from './files.ts';
+import { bindKeys } from './keys.ts';
+import { bindPointers } from './preview/pointer.ts';
+import { View } from './preview/view.ts';
+import { Session, describeError } from './session.ts';
+import * as transitions from './state.ts';
+import type { State } from './state.ts';
+import { applyTheme, rememberedTheme, watchSystemTheme } from './theme.ts';
+import './styles/tokens.css';
+import './styles/base.css';
+
+const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)').matches;
+const state = signal<State>({
+  ...transitions.initialState,
+  view: { ...transitions.initialState.view, playing: !reducedMotion, theme: rememberedTheme() },
+});
+const update = (transition: (state: State) => State): void => {
+  state.value = transition(state.peek());
+};
+
+const canvas = document.querySelector<HTMLCanvasElement>('#view');
+const host = document.querySelector<HTMLElement>('#app');
+if (canvas === null || host === null) throw new Error('index.html lacks #view or #app');
+
+const view = new View(
+  canvas,
+  {
+    onUnavailable: (reason) =>
+      update((now) =>
+        transitions.failed(now, {
+          code: 'no-webgl',
+          message: 'This browser shows no 3D view: WebGL2 is missing or switched off. Models are simplified all the same.',
+          where: reason,
+        }),
+      ),
+    onContextLost: () => update((now) => transitions.remarked(now, 'The graphics card took a break; the view comes back by itself.')),
+    onContextRestored: () => update((now) => transitions.remarked(now, '')),
+  },
+  reducedMotion,
+);
+const session = new Session({ get value() { return state.peek(); }, update }, createWorkerClient(), view);
+
+const actions: Actions = {
+  openFiles: (files) => void session.open(filesOfInput(files)),
+  openSample: (sample) => void session.openAddress(new URL(sample.address, location.href), sample.fileName, sample.credit),
+  cancel: () => session.cancel(),
+  dismiss: () => update(transitions.noticeDismissed),
+  moveTarget: (triangles, gesture) => update((now) => transitions.targetMoved(now, triangles, gesture)),
+  undo: () => update(transitions.undone),
+  redo: () => update(transitions.redone),
+  fit: () => view.move({ kind: 'fit' }),
+  changeView: (change) => update((now) => transitions.viewChanged(now, change)),
+  chooseFormat: (format) => update((now) => transitions.outputFormatChosen(now, format)),
+  download: () => void session.download(),
+};
+
+effect(() => {
+  render(<App state={state.value} actions={actions} />, host);
+  view.setInsets(insetsOf(host));
+});
+watch((now) => `${now.model?.wantedTriangles} ${now.outputFormat}`, () => session.wishChanged());
+watch((now) => now.view, (settings) => view.setSettings(settings));
+watch((now) => now.view.theme, (theme) => view.setTheme(applyTheme(theme)));
+watch((now) => now.model?.name, (name) => {
+  document.title = name === undefined ? 'Decimesh' : `${name} – Decimesh`;
+});
+watchSystemTheme(() => view.setTheme(applyTheme(state.peek().view.theme)));
+bindKeys(canvas, actions, (move) => view.move(move), () => state.peek());
+bindPointers(canvas, (move) => view.move(move));
+bindDrop();
+addEventListener('resize', () => view.setInsets(insetsOf(host)));
+
+const address = new URLSearchParams(location.search).get('model');
+if (address !== null) openAddress(address);
+
+function openAddress(text: string): void {
+  const url = URL.parse(text, location.href);
+  if (url === null) {
+    update((now) => transitions.failed(now, { code: 'invalid-argument', message: 'this is not an address', where: `?model=${text}` }));
+    return;
+  }
+  void session.openAddress(url, fileNameOf(url));
+}
+
+/** Calls `act` with the first value of `select` and then whenever it changes. */
+function watch<T>(select: (state: State) => T, act: (value: T) => void): void {
+  let last: { value: T } | null = null;
+  effect(() => {
+    const value = select(state.value);
+    if (last !== null && Object.is(last.value, value)) return;
+    last = { value };
+    act(value);
+  });
+}
+
+/** What panels cover of the view, as they mark it themselves. */
+function insetsOf(page: HTMLElement): { top: number; right: number; bottom: number; left: number } {
+  const top = page.querySelector('.top-bar')?.getBoundingClientRect().bottom ?? 0;
+  const dock = page.querySelector('[data-inset]')?.getBoundingClientRect();
+  if (dock === undefined) return { top, right: 0, bottom: 0, left: 0 };
+  // A narrow dock stands at the side, a wide one lies at the bottom.
+  const beside = dock.width < innerWidth * 0.6 && dock.height > innerHeight * 0.5;
+  return beside
+    ? { top, right: Math.max(innerWidth - dock.left, 0), bottom: 0, left: 0 }
+    : { top, right: 0, bottom: Math.max(innerHeight - dock.top, 0), left: 0 };
+}
+
+function bindDrop(): void {
+  // Entering a child fires before leaving its parent.
+  let depth = 0;
+  const carriesFiles = (event: DragEvent): boolean => event.dataTransfer?.types.includes('Files') ?? false;
+  const set = (to: number): void => {
+    depth = Math.max(to, 0);
+    update((now) => transitions.draggingChanged(now, depth > 0));
+  };
+  addEventListener('dragenter', (event) => {
+    if (carriesFiles(event)) set(depth + 1);
+  });
+  addEventListener('dragleave', (event) => {
+    if (carriesFiles(event)) set(depth - 1);
+  });
+  addEventListener('dragover', (event) => {
+    if (!carriesFiles(event)) return;
+    event.preventDefault();
+    if (event.dataTransfer !== null) event.dataTransfer.dropEffect = 'copy';
+  });
+  addEventListener('drop', (event) => {
+    if (!carriesFiles(event) || event.dataTransfer === null) return;
+    event.preventDefault();
+    set(0);
+    void filesOfDrop(event.dataTransfer).then(
+      (files) => session.open(files),
+      (error: unknown) => update((now) => transitions.failed(now, { ...describeError(error), code: 'cannot-read' })),
+    );
+  });
+}

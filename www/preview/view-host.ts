@@ -1,0 +1,88 @@
+// Serves a Viewer to requests, in a worker or on the page itself.
+import { disposeModel, loadModel } from './load.ts';
+import type { LoadedModel } from './load.ts';
+import type { ViewReply, ViewRequest } from './protocol.ts';
+import { Viewer } from './viewer.ts';
+
+/** Makes a function that takes requests, in order; `reply` gets the answers. */
+export function createViewHost(reply: (reply: ViewReply) => void): (request: ViewRequest) => void {
+  let viewer: Viewer | null = null;
+  const loaded = new Map<number, LoadedModel>();
+  const discarded = new Set<number>();
+
+  const load = async (id: number, bytes: Uint8Array): Promise<void> => {
+    try {
+      const model = await loadModel(bytes);
+      if (discarded.delete(id)) return disposeModel(model);
+      loaded.set(id, model);
+      const animations = model.animations.map((clip, index) => clip.name || `Animation ${index + 1}`);
+      reply({ type: 'loaded', id, animations });
+    } catch (error) {
+      if (!discarded.delete(id)) reply({ type: 'failed', id, message: messageOf(error) });
+    }
+  };
+
+  const discard = (id: number): void => {
+    const model = loaded.get(id);
+    if (model === undefined) discarded.add(id);
+    else disposeModel(model);
+    loaded.delete(id);
+  };
+
+  const show = (id: number): void => {
+    const model = loaded.get(id);
+    loaded.delete(id);
+    if (model !== undefined) viewer?.show(model);
+  };
+
+  const replyDrawn = async (id: number): Promise<void> => {
+    await viewer?.drawn();
+    reply({ type: 'drawn', id });
+  };
+
+  return (request) => {
+    switch (request.type) {
+      case 'start':
+        try {
+          viewer = new Viewer(
+            request.canvas,
+            {
+              onContextLost: () => reply({ type: 'context-lost' }),
+              onContextRestored: () => reply({ type: 'context-restored' }),
+            },
+            request.reducedMotion,
+          );
+        } catch (error) {
+          reply({ type: 'failed', id: null, message: messageOf(error) });
+        }
+        break;
+      case 'load':
+        void load(request.id, request.bytes);
+        break;
+      case 'show':
+        show(request.model);
+        void replyDrawn(request.id);
+        break;
+      case 'discard':
+        discard(request.id);
+        break;
+      case 'level':
+        viewer?.setLevel(request.geometry);
+        void replyDrawn(request.id);
+        break;
+      case 'settings':
+        viewer?.setSettings(request.settings);
+        break;
+      case 'theme':
+        viewer?.setTheme(request.theme);
+        break;
+      case 'resize':
+        viewer?.resize(request.size, request.insets);
+        break;
+      case 'camera':
+        viewer?.moveCamera(request.moves);
+    }
+  };
+}
+
+const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));

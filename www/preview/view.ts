@@ -1,0 +1,180 @@
+// The page's side of the 3D view: starts it, in a worker where the browser can draw there, and passes on what happens.
+import type { LevelGeometry } from 'decimesh';
+import type { CameraMove, Insets, ViewReply, ViewRequest, ViewSettings, ViewTheme } from './protocol.ts';
+
+/** What the page is told. */
+export interface ViewEvents {
+  /** There is no WebGL2, or the view cannot run; everything else goes on. */
+  onUnavailable(reason: string): void;
+  onContextLost(): void;
+  onContextRestored(): void;
+}
+
+interface Pending {
+  resolve(animations: readonly string[]): void;
+  reject(reason: Error): void;
+}
+
+/** The view as calls. All of them return at once; nothing is drawn on this thread if it can be helped. */
+export class View {
+  private send: (request: ViewRequest, transfer: Transferable[]) => void = () => {};
+  private readonly pending = new Map<number, Pending>();
+  private readonly drawing = new Map<number, () => void>();
+  private unavailable = false;
+  private lastId = 0;
+  private insets: Insets = { top: 0, right: 0, bottom: 0, left: 0 };
+  private moves: CameraMove[] = [];
+  private readonly events: ViewEvents;
+  private readonly canvas: HTMLCanvasElement;
+
+  constructor(canvas: HTMLCanvasElement, events: ViewEvents, reducedMotion: boolean) {
+    this.canvas = canvas;
+    this.events = events;
+    this.start(reducedMotion);
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.watchPixelRatio();
+  }
+
+  /** Parses `bytes`, a GLB, which are transferred; resolves to a model that can be shown, or rejects with the reason. */
+  async load(bytes: Uint8Array): Promise<PreparedModel> {
+    if (this.unavailable) return { animations: [], show: () => Promise.resolve(), discard: () => {} };
+    const id = (this.lastId += 1);
+    const animations = await new Promise<readonly string[]>((resolve, reject) => {
+      this.pending.set(id, { resolve, reject });
+      this.post({ type: 'load', id, bytes }, [bytes.buffer as ArrayBuffer]);
+    });
+    return {
+      animations,
+      show: () => this.drawn((drawing) => this.post({ type: 'show', id: drawing, model: id })),
+      discard: () => this.post({ type: 'discard', id }),
+    };
+  }
+
+  /**
+   * Swaps the geometry of the model shown, whose arrays are transferred; null is the file's own. Resolves when it is
+   * drawn: whoever waits for that does not send more than the graphics card can take.
+   */
+  setLevel(geometry: LevelGeometry | null): Promise<void> {
+    const arrays = geometry === null ? [] : [
+      ...geometry.groups.map((group) => group.indices),
+      ...geometry.wedgeSets.flatMap((set) => [set.positions, ...Object.values(set.attributes).map(({ values }) => values)]),
+    ];
+    const buffers = [...new Set(arrays.map((array) => array.buffer as ArrayBuffer))];
+    return this.drawn((id) => this.post({ type: 'level', id, geometry }, buffers));
+  }
+
+  setSettings({ wireframe, playing, animation, comparing }: ViewSettings): void {
+    this.post({ type: 'settings', settings: { wireframe, playing, animation, comparing } });
+  }
+
+  setTheme(theme: ViewTheme): void {
+    this.post({ type: 'theme', theme });
+  }
+
+  /** Pixels of the canvas that panels cover; the model is centred in the rest. */
+  setInsets(insets: Insets): void {
+    const { top, right, bottom, left } = this.insets;
+    if (insets.top === top && insets.right === right && insets.bottom === bottom && insets.left === left) return;
+    this.insets = insets;
+    this.resize();
+  }
+
+  /** Moves the camera with the next frame, together with what else comes until then. */
+  move(move: CameraMove): void {
+    if (this.moves.length === 0) {
+      requestAnimationFrame(() => {
+        this.post({ type: 'camera', moves: this.moves });
+        this.moves = [];
+      });
+    }
+    this.moves.push(move);
+  }
+
+  private drawn(ask: (id: number) => void): Promise<void> {
+    if (this.unavailable) return Promise.resolve();
+    const id = (this.lastId += 1);
+    return new Promise((resolve) => {
+      this.drawing.set(id, resolve);
+      ask(id);
+    });
+  }
+
+  private start(reducedMotion: boolean): void {
+    if (typeof this.canvas.transferControlToOffscreen === 'function') {
+      const worker = new Worker(new URL('./view-worker.ts', import.meta.url), { type: 'module', name: 'decimesh view' });
+      worker.addEventListener('message', (event: MessageEvent<ViewReply>) => this.receive(event.data));
+      worker.addEventListener('error', (event) => this.receive({ type: 'failed', id: null, message: event.message || 'its worker failed' }));
+      this.send = (request, transfer) => worker.postMessage(request, transfer);
+      const canvas = this.canvas.transferControlToOffscreen();
+      this.post({ type: 'start', canvas, reducedMotion }, [canvas]);
+      return;
+    }
+    // Without a canvas for workers the same code runs here; requests wait until it is there.
+    const host = import('./view-host.ts').then(({ createViewHost }) => createViewHost((reply) => this.receive(reply)));
+    this.send = (request) => {
+      host.then((handle) => handle(request), (error: unknown) => this.receive({ type: 'failed', id: null, message: String(error) }));
+    };
+    this.post({ type: 'start', canvas: this.canvas, reducedMotion });
+  }
+
+  private post(request: ViewRequest, transfer: Transferable[] = []): void {
+    if (!this.unavailable) this.send(request, transfer);
+  }
+
+  private receive(reply: ViewReply): void {
+    switch (reply.type) {
+      case 'loaded':
+        this.pending.get(reply.id)?.resolve(reply.animations);
+        this.pending.delete(reply.id);
+        break;
+      case 'drawn':
+        this.drawing.get(reply.id)?.();
+        this.drawing.delete(reply.id);
+        break;
+      case 'failed':
+        if (reply.id === null) this.giveUp(reply.message);
+        else {
+          this.pending.get(reply.id)?.reject(new Error(reply.message));
+          this.pending.delete(reply.id);
+        }
+        break;
+      case 'context-lost':
+        this.events.onContextLost();
+        break;
+      case 'context-restored':
+        this.events.onContextRestored();
+    }
+  }
+
+  private giveUp(reason: string): void {
+    if (this.unavailable) return;
+    this.unavailable = true;
+    for (const { resolve } of this.pending.values()) resolve([]);
+    for (const resolve of this.drawing.values()) resolve();
+    this.pending.clear();
+    this.drawing.clear();
+    this.events.onUnavailable(reason);
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    this.post({ type: 'resize', size: { width, height, pixelRatio: devicePixelRatio }, insets: this.insets });
+  }
+
+  private watchPixelRatio(): void {
+    const changed = (): void => {
+      this.resize();
+      this.watchPixelRatio();
+    };
+    matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener('change', changed, { once: true });
+  }
+}
+
+/** A model that the view has parsed. Either `show` or `discard` is to be called, once. */
+export interface PreparedModel {
+  /** Names, in file order. */
+  readonly animations: readonly string[];
+  /** Resolves when it is drawn. */
+  show(): Promise<void>;
+  discard(): void;
+}

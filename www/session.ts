@@ -1,0 +1,342 @@
+// The conversation with the worker: opens files, records the history, and keeps what is shown in step with what is
+// wanted. Only the latest wish counts: one request is under way, and what was asked for meanwhile is read when it ends.
+import type { DocumentProxy, WorkerClient } from 'decimesh/worker';
+import { baseName, decodePath, fetchFile, modelFile } from './files.ts';
+import type { View } from './preview/view.ts';
+import * as transitions from './state.ts';
+import type { Model, Notice, OutputFormat, State } from './state.ts';
+
+/** Where the session reads and changes the page's state. */
+export interface Store {
+  readonly value: State;
+  update(transition: (state: State) => State): void;
+}
+
+/** Milliseconds without a new wish before the file for it is written to learn its size. */
+const SETTLE_TIME = 250;
+
+/** Codes after which the worker has no documents any more; opening the files again brings them back. */
+const LOST_CODES: readonly string[] = ['disposed', 'worker-lost', 'internal', 'out-of-memory'];
+
+const MIME_TYPES: Readonly<Record<OutputFormat, string>> = { glb: 'model/gltf-binary', obj: 'model/obj' };
+
+/** The document behind the model on screen. */
+interface OpenDocument {
+  document: DocumentProxy;
+  readonly files: File[];
+  recording: AbortController | null;
+  /** The last file written, and what for; Download takes it from here. */
+  written: { readonly key: string; readonly bytes: Uint8Array } | null;
+  /** The wish that failed last: not tried again until it changes. */
+  failedKey: string | null;
+  /** Whether the documents were lost once without a success since. */
+  reopened: boolean;
+}
+
+export class Session {
+  private current: OpenDocument | null = null;
+  private task: AbortController | null = null;
+  private reconciling = false;
+  /** Ends the pause before writing, when the wish changes. */
+  private wake: (() => void) | null = null;
+  /** Downloads that wait for the file itself: its size is not enough for them, and pausing would keep them. */
+  private filesWanted = 0;
+  /** Told after every step. */
+  private readonly waiting = new Set<() => void>();
+
+  constructor(
+    private readonly store: Store,
+    private readonly client: WorkerClient,
+    private readonly view: View,
+  ) {}
+
+  /** Opens a model from its files, in place of the one before if that works. */
+  async open(files: File[], credit = ''): Promise<void> {
+    const model = modelFile(files);
+    if (model === undefined) return;
+    await this.runTask('opening', model.name, (signal) => this.replaceDocument(files, model.name, credit, signal));
+  }
+
+  /** Opens a model from the web under the name `fileName`, with the files it refers to. */
+  async openAddress(address: URL, fileName: string, credit = ''): Promise<void> {
+    await this.runTask('opening', fileName, async (signal) => {
+      const onProgress = (fraction: number | null): void => this.store.update((state) => transitions.taskProgressed(state, fraction));
+      const model = await fetchFile(address, fileName, { signal, onProgress });
+      const references = await this.client.externalFiles(new Uint8Array(await model.arrayBuffer()));
+      const others = await Promise.all(references.map((reference) => fetchReference(reference, address, signal)));
+      await this.replaceDocument([model, ...others.flat()], fileName, credit, signal);
+    });
+  }
+
+  /** Stops what is under way: first a file being opened or written, else the recording. */
+  cancel(): void {
+    const reason = new DOMException('Cancelled.', 'AbortError');
+    if (this.task !== null) this.task.abort(reason);
+    else this.current?.recording?.abort(reason);
+  }
+
+  /** To be called when the wish, the format or the history changed. */
+  wishChanged(): void {
+    this.wake?.();
+    const { model } = this.store.value;
+    if (this.current !== null && model?.history.kind === 'none' && model.wantedTriangles !== model.source.triangles) {
+      void this.record(this.current);
+    }
+    void this.reconcile();
+  }
+
+  /** Saves the level that is wanted, as soon as it can be had. */
+  async download(): Promise<void> {
+    const { model, outputFormat } = this.store.value;
+    const open = this.current;
+    if (model === null || open === null) return;
+    const fileName = `${model.name}.${outputFormat}`;
+    await this.runTask('writing', fileName, async (signal) => {
+      this.filesWanted += 1;
+      const bytes = await this.settled(open, signal).finally(() => { this.filesWanted -= 1; });
+      if (bytes === null) return;
+      save(new Blob([bytes as Uint8Array<ArrayBuffer>], { type: MIME_TYPES[outputFormat] }), fileName);
+      this.store.update((state) => transitions.remarked(state, `Saved ${fileName}.`));
+    });
+  }
+
+  // --- tasks
+
+  private async runTask(kind: 'opening' | 'writing', name: string, run: (signal: AbortSignal) => Promise<void>): Promise<void> {
+    this.task?.abort(new DOMException('Superseded.', 'AbortError'));
+    const task = new AbortController();
+    this.task = task;
+    this.store.update((state) => transitions.taskStarted(state, { kind, name, fraction: null }));
+    try {
+      await run(task.signal);
+      if (this.task === task) this.store.update((state) => transitions.taskEnded(state));
+    } catch (error) {
+      if (this.task !== task) return;
+      if (task.signal.aborted) this.store.update((state) => transitions.taskEnded(state, 'Cancelled.'));
+      else {
+        const notice = describeError(error);
+        // What is wrong with a file as a whole has the file for its place.
+        this.store.update((state) => transitions.failed(state, { ...notice, where: notice.where || name }));
+      }
+    } finally {
+      if (this.task === task) this.task = null;
+    }
+  }
+
+  private async replaceDocument(files: File[], fileName: string, credit: string, signal: AbortSignal): Promise<void> {
+    this.store.update((state) => transitions.taskProgressed(state, null));
+    const onProgress = (fraction: number): void => this.store.update((state) => transitions.taskProgressed(state, fraction));
+    const document = await this.client.openDocument(files, { signal, onProgress });
+    try {
+      signal.throwIfAborted();
+      const { bytes } = await document.write({ format: 'glb' });
+      signal.throwIfAborted();
+      // The view takes the bytes over.
+      const { byteLength } = bytes;
+      const prepared = await this.view.load(bytes);
+      if (signal.aborted) prepared.discard();
+      signal.throwIfAborted();
+
+      this.current?.recording?.abort(new DOMException('Superseded.', 'AbortError'));
+      this.current?.document.dispose();
+      const { summary } = document;
+      const open: OpenDocument = { document, files, recording: null, written: null, failedKey: null, reopened: false };
+      this.current = open;
+      this.store.update((state) =>
+        transitions.modelOpened(state, {
+          name: baseName(fileName),
+          credit,
+          source: summary,
+          warnings: summary.warnings,
+          animations: prepared.animations,
+        }),
+      );
+      this.tellSize(byteLength, 'glb', summary.triangles);
+      void this.record(open);
+      void prepared.show().then(() => {
+        if (this.current === open) this.store.update(transitions.modelDrawn);
+      });
+    } catch (error) {
+      if (this.current?.document !== document) document.dispose();
+      throw error;
+    }
+  }
+
+  // --- the history
+
+  private async record(open: OpenDocument): Promise<void> {
+    if (open.recording !== null) return;
+    const recording = new AbortController();
+    open.recording = recording;
+    const isCurrent = (): boolean => this.current === open && open.recording === recording;
+    const update = (transition: (state: State) => State): void => {
+      if (isCurrent()) this.store.update(transition);
+    };
+    update((state) => transitions.recordingProgressed(state, 0));
+    try {
+      await open.document.simplify({
+        signal: recording.signal,
+        onProgress: (fraction) => update((state) => transitions.recordingProgressed(state, fraction)),
+      });
+      const fewest = await open.document.level({ triangles: 1 });
+      recording.signal.throwIfAborted();
+      update((state) => transitions.historyReady(state, fewest.triangles));
+      open.reopened = false;
+    } catch (error) {
+      if (recording.signal.aborted) {
+        update((state) => transitions.recordingEnded(state, 'Cancelled. Move the slider to simplify again.'));
+      } else if (isCurrent() && (await this.reopen(open, error))) {
+        open.recording = null;
+        return this.record(open);
+      } else {
+        update((state) => transitions.recordingEnded(transitions.failed(state, describeError(error)), ''));
+      }
+    } finally {
+      if (open.recording === recording) open.recording = null;
+    }
+    this.tellWaiting();
+    void this.reconcile();
+  }
+
+  // A fault elsewhere, in a bad file say, may have cost the worker its documents; the files are still here.
+  private async reopen(open: OpenDocument, error: unknown): Promise<boolean> {
+    if (!LOST_CODES.includes(describeError(error).code) || open.reopened) return false;
+    open.reopened = true;
+    try {
+      open.document = await this.client.openDocument(open.files);
+      return true;
+    } catch {
+      return false;
+    }
+  }
+
+  // --- levels
+
+  private async reconcile(): Promise<void> {
+    if (this.reconciling) return;
+    this.reconciling = true;
+    try {
+      while (await this.step()) this.tellWaiting();
+    } finally {
+      this.reconciling = false;
+      this.tellWaiting();
+    }
+  }
+
+  /** Does the next thing that is missing; false when nothing is. */
+  private async step(): Promise<boolean> {
+    const open = this.current;
+    const { model, outputFormat } = this.store.value;
+    if (open === null || model === null || model.history.kind === 'recording') return false;
+    const wanted = model.wantedTriangles;
+    const full = wanted === model.source.triangles;
+    if (model.history.kind === 'none' && !full) return false;
+    const key = wishKey(model, outputFormat);
+    if (open.failedKey === key) return false;
+    try {
+      if (model.shownFor !== wanted) {
+        const level = await open.document.level(full ? {} : { triangles: wanted });
+        const geometry = full ? null : await open.document.geometry();
+        if (this.current !== open) return true;
+        await this.view.setLevel(geometry);
+        if (this.current !== open) return true;
+        this.store.update((state) => transitions.levelShown(state, level, wanted));
+        return true;
+      }
+      const measured = model.output?.wantedTriangles === wanted && model.output.format === outputFormat;
+      if (open.written?.key === key || (measured && this.filesWanted === 0)) return false;
+      if (this.filesWanted === 0 && ((await this.pause()) || this.current !== open)) return true;
+      // Without a history the document stands at full detail; with one, recording it may have left another level.
+      if (model.history.kind === 'ready') await open.document.level(full ? {} : { triangles: wanted });
+      const { bytes } = await open.document.write({ format: outputFormat });
+      if (this.current !== open) return true;
+      open.written = { key, bytes };
+      this.tellSize(bytes.byteLength, outputFormat, wanted);
+      return true;
+    } catch (error) {
+      if (this.current !== open) return true;
+      if (await this.reopen(open, error)) {
+        void this.record(open);
+        return false;
+      }
+      open.failedKey = key;
+      this.store.update((state) => transitions.failed(state, describeError(error)));
+      return true;
+    }
+  }
+
+  private tellSize(bytes: number, format: OutputFormat, wantedTriangles: number): void {
+    this.store.update((state) => transitions.outputMeasured(state, { format, wantedTriangles, bytes }));
+  }
+
+  /** Waits until wishes settle; true when a new one came meanwhile. */
+  private pause(): Promise<boolean> {
+    return new Promise((resolve) => {
+      const finish = (woken: boolean): void => {
+        clearTimeout(timer);
+        this.wake = null;
+        resolve(woken);
+      };
+      const timer = setTimeout(() => finish(false), SETTLE_TIME);
+      this.wake = () => finish(true);
+    });
+  }
+
+  /** Resolves to the file of the wanted level when it is written, to null when that failed and was told. */
+  private async settled(open: OpenDocument, signal: AbortSignal): Promise<Uint8Array | null> {
+    this.wishChanged();
+    for (;;) {
+      signal.throwIfAborted();
+      const { model, outputFormat } = this.store.value;
+      if (this.current !== open || model === null) return null;
+      const key = wishKey(model, outputFormat);
+      if (open.written?.key === key) return open.written.bytes;
+      const stopped = model.history.kind === 'none' && model.wantedTriangles !== model.source.triangles;
+      if (stopped || open.failedKey === key) return null;
+      await new Promise<void>((resolve) => {
+        this.waiting.add(resolve);
+        signal.addEventListener('abort', () => resolve(), { once: true });
+      });
+    }
+  }
+
+  private tellWaiting(): void {
+    for (const resolve of this.waiting) resolve();
+    this.waiting.clear();
+  }
+}
+
+const wishKey = (model: Model, format: OutputFormat): string => `${model.wantedTriangles}.${format}`;
+
+// A file that cannot be had is left out: opening the model tells whether it can do without, and names the place.
+async function fetchReference(reference: string, address: URL, signal: AbortSignal): Promise<File[]> {
+  const beside = URL.parse(reference, address);
+  if (beside === null) return [];
+  try {
+    return [await fetchFile(beside, decodePath(reference), { signal })];
+  } catch {
+    signal.throwIfAborted();
+    return [];
+  }
+}
+
+/** Any failure as a notice: ours keep their code and place, others are named as what they are. */
+export function describeError(error: unknown): Notice {
+  if (typeof error === 'object' && error !== null && 'code' in error && typeof error.code === 'string') {
+    return {
+      code: error.code,
+      message: 'message' in error ? String(error.message) : '',
+      where: 'where' in error && typeof error.where === 'string' ? error.where : '',
+    };
+  }
+  return { code: 'internal', message: error instanceof Error ? error.message : String(error), where: '' };
+}
+
+function save(blob: Blob, fileName: string): void {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = fileName;
+  link.click();
+  // Some browsers read the blob only after the click has been handled.
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}

@@ -1,0 +1,272 @@
+// The page's one state value and the pure transitions between its values; nothing here fetches, draws or waits.
+
+/** A file format that the page can download. */
+export type OutputFormat = 'glb' | 'obj';
+
+/** Something that went wrong, or a remark about a file, as the engine reports it. */
+export interface Notice {
+  /** Stable code, for example `gltf.index-out-of-range`. */
+  readonly code: string;
+  readonly message: string;
+  /** The place in the file or the argument; empty when there is none. */
+  readonly where: string;
+}
+
+/** What is known about a file when it has been opened. Lengths in model units. */
+export interface Source {
+  readonly format: string;
+  readonly bytes: number;
+  readonly triangles: number;
+  readonly vertices: number;
+  readonly meshes: number;
+  /** Diagonal of the bounding box. */
+  readonly diagonal: number;
+}
+
+/** One level of detail that is on screen. */
+export interface Level {
+  readonly triangles: number;
+  readonly vertices: number;
+  /** Estimated deviation from the original in model units. */
+  readonly estimatedError: number;
+}
+
+/** How far the recording of the collapse history is; levels exist once it is `ready`. */
+export type History =
+  | { readonly kind: 'none' }
+  | { readonly kind: 'recording'; readonly fraction: number }
+  | { readonly kind: 'ready'; readonly fewestTriangles: number };
+
+/** The size of the file that Download would save, and what it was measured for. */
+export interface Output {
+  readonly format: OutputFormat;
+  /** The wish whose level was written. */
+  readonly wantedTriangles: number;
+  readonly bytes: number;
+}
+
+/** The model on screen. */
+export interface Model {
+  /** Base name without extension; the download gets it. */
+  readonly name: string;
+  readonly credit: string;
+  readonly source: Source;
+  readonly warnings: readonly Notice[];
+  /** Names of the animations, in file order. */
+  readonly animations: readonly string[];
+  /** Whether it has been drawn yet. */
+  readonly drawn: boolean;
+  readonly history: History;
+  /** What the slider asks for. */
+  readonly wantedTriangles: number;
+  /** What is drawn; catches up with `wantedTriangles` as soon as the history allows. */
+  readonly shown: Level;
+  /** The wish that `shown` answers; its count may differ from the wish by a triangle or two. */
+  readonly shownFor: number;
+  readonly output: Output | null;
+  readonly undo: readonly number[];
+  readonly redo: readonly number[];
+  /** The gesture of the last move: moves of one drag are undone together. */
+  readonly gesture: number;
+}
+
+/** Something that keeps the user waiting and can be cancelled. */
+export interface Task {
+  readonly kind: 'opening' | 'writing';
+  readonly name: string;
+  /** 0..1, or null when unknown. */
+  readonly fraction: number | null;
+}
+
+/** How the model is shown. */
+export interface View {
+  readonly wireframe: boolean;
+  readonly playing: boolean;
+  readonly animation: number;
+  /** The original is shown while a key or button is held. */
+  readonly comparing: boolean;
+  readonly theme: 'system' | 'light' | 'dark';
+}
+
+/** Everything the page shows. */
+export interface State {
+  readonly model: Model | null;
+  readonly task: Task | null;
+  readonly notice: Notice | null;
+  readonly outputFormat: OutputFormat;
+  readonly view: View;
+  /** A file is being dragged over the window. */
+  readonly dragging: boolean;
+  /** What the live region says when nothing is under way; set by the last event worth telling. */
+  readonly remark: string;
+}
+
+/** Undo steps kept. */
+const UNDO_LIMIT = 200;
+
+export const initialState: State = {
+  model: null,
+  task: null,
+  notice: null,
+  outputFormat: 'glb',
+  view: { wireframe: false, playing: true, animation: 0, comparing: false, theme: 'system' },
+  dragging: false,
+  remark: '',
+};
+
+const withModel = (state: State, change: (model: Model) => Model): State => {
+  if (state.model === null) return state;
+  const model = change(state.model);
+  return model === state.model ? state : { ...state, model };
+};
+
+// --- opening
+
+export const taskStarted = (state: State, task: Task): State => ({ ...state, task, notice: null });
+
+export const taskProgressed = (state: State, fraction: number | null): State =>
+  state.task === null || state.task.fraction === fraction ? state : { ...state, task: { ...state.task, fraction } };
+
+export const taskEnded = (state: State, remark = state.remark): State => ({ ...state, task: null, remark });
+
+/** A model replaces the one before it, at full detail; its history is recorded from now on. */
+export const modelOpened = (
+  state: State,
+  opened: Pick<Model, 'name' | 'credit' | 'source' | 'warnings' | 'animations'>,
+): State => ({
+  ...state,
+  task: null,
+  notice: null,
+  remark: '',
+  view: { ...state.view, animation: 0, comparing: false },
+  model: {
+    ...opened,
+    drawn: false,
+    history: { kind: 'recording', fraction: 0 },
+    wantedTriangles: opened.source.triangles,
+    shown: { triangles: opened.source.triangles, vertices: opened.source.vertices, estimatedError: 0 },
+    shownFor: opened.source.triangles,
+    output: null,
+    undo: [],
+    redo: [],
+    gesture: -1,
+  },
+});
+
+/** A failure is shown; the model that was there stays. */
+export const failed = (state: State, notice: Notice): State => ({ ...state, task: null, notice });
+
+export const noticeDismissed = (state: State): State => ({ ...state, notice: null });
+
+// --- simplifying
+
+export const recordingProgressed = (state: State, fraction: number): State =>
+  withModel(state, (model) => ({ ...model, history: { kind: 'recording', fraction: clamp(fraction, 0, 1) } }));
+
+export const recordingEnded = (state: State, remark: string): State => ({
+  ...withModel(state, (model) => ({ ...model, history: { kind: 'none' } })),
+  remark,
+});
+
+/** Levels down to `fewestTriangles` can be had; a wish for fewer becomes that. */
+export const historyReady = (state: State, fewestTriangles: number): State =>
+  withModel({ ...state, remark: '' }, (model) => ({
+    ...model,
+    history: { kind: 'ready', fewestTriangles },
+    wantedTriangles: clamp(model.wantedTriangles, fewestTriangles, model.source.triangles),
+  }));
+
+/** The level that answers the wish for `shownFor` triangles is on screen. */
+export const levelShown = (state: State, shown: Level, shownFor: number): State =>
+  withModel({ ...state, remark: '' }, (model) => ({ ...model, shown, shownFor }));
+
+/** The first picture of the model is on screen. */
+export const modelDrawn = (state: State): State => withModel(state, (model) => ({ ...model, drawn: true }));
+
+export const outputMeasured = (state: State, output: Output): State => withModel(state, (model) => ({ ...model, output }));
+
+// --- the slider
+
+/** The fewest triangles that may be asked for: 1 until the history tells. */
+export const fewestTriangles = (model: Model): number =>
+  model.history.kind === 'ready' ? model.history.fewestTriangles : Math.min(1, model.source.triangles);
+
+/** The slider asks for `triangles`; moves with the same `gesture` are one undo step. */
+export const targetMoved = (state: State, triangles: number, gesture: number): State =>
+  withModel(state, (model) => {
+    const wantedTriangles = clamp(Math.round(triangles), fewestTriangles(model), model.source.triangles);
+    if (!Number.isFinite(wantedTriangles) || wantedTriangles === model.wantedTriangles) return model;
+    const continues = gesture === model.gesture;
+    const undo = continues ? model.undo : [...model.undo, model.wantedTriangles].slice(-UNDO_LIMIT);
+    return { ...model, wantedTriangles, undo, redo: [], gesture };
+  });
+
+export const undone = (state: State): State =>
+  withModel(state, (model) => {
+    const wantedTriangles = model.undo.at(-1);
+    if (wantedTriangles === undefined) return model;
+    return {
+      ...model,
+      wantedTriangles: Math.max(wantedTriangles, fewestTriangles(model)),
+      undo: model.undo.slice(0, -1),
+      redo: [...model.redo, model.wantedTriangles],
+      gesture: -1,
+    };
+  });
+
+export const redone = (state: State): State =>
+  withModel(state, (model) => {
+    const wantedTriangles = model.redo.at(-1);
+    if (wantedTriangles === undefined) return model;
+    return {
+      ...model,
+      wantedTriangles: Math.max(wantedTriangles, fewestTriangles(model)),
+      undo: [...model.undo, model.wantedTriangles],
+      redo: model.redo.slice(0, -1),
+      gesture: -1,
+    };
+  });
+
+// --- the rest
+
+export const outputFormatChosen = (state: State, outputFormat: OutputFormat): State => ({ ...state, outputFormat });
+
+export const viewChanged = (state: State, change: Partial<View>): State => ({ ...state, view: { ...state.view, ...change } });
+
+export const draggingChanged = (state: State, dragging: boolean): State =>
+  state.dragging === dragging ? state : { ...state, dragging };
+
+export const remarked = (state: State, remark: string): State => ({ ...state, remark });
+
+// --- derived
+
+/** Whether something is under way that Cancel would stop. */
+export const isBusy = (state: State): boolean => state.task !== null || state.model?.history.kind === 'recording';
+
+/** Whether the level on screen is the one the slider asks for. */
+export const isSettled = (model: Model): boolean => model.shownFor === model.wantedTriangles;
+
+/** 0..1, null when unknown or when nothing is under way. */
+export const progress = (state: State): number | null => {
+  if (state.task?.kind === 'opening') return state.task.fraction;
+  const history = state.model?.history;
+  return history?.kind === 'recording' ? history.fraction : null;
+};
+
+/** The sentence of the live region. Progress is left to the progress bar, or it would be read out at every per cent. */
+export const statusText = (state: State): string => {
+  const { task, model } = state;
+  if (task !== null) return task.kind === 'opening' ? `Opening ${task.name}…` : `Writing ${task.name}…`;
+  if (model === null) return state.remark;
+  if (model.history.kind === 'recording') return `Simplifying ${model.name}…`;
+  const count = (triangles: number): string => triangles.toLocaleString('en');
+  if (model.history.kind === 'ready' && !isSettled(model)) return `Going to ${count(model.wantedTriangles)} triangles…`;
+  if (state.remark !== '') return state.remark;
+  if (!model.drawn) return `Drawing ${model.name}…`;
+  if (model.history.kind === 'none') return `${model.name} is open.`;
+  return model.shown.triangles === model.source.triangles
+    ? `Ready. ${count(model.source.triangles)} triangles.`
+    : `Ready. Showing ${count(model.shown.triangles)} of ${count(model.source.triangles)} triangles.`;
+};
+
+export const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);
