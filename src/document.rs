@@ -100,13 +100,14 @@ impl Document {
     pub fn open(files: Vec<NamedFile>) -> Result<Self, Error> {
         let byte_count = files.iter().map(|f| f.bytes.len()).sum();
         let (main, format) = sniff_all(&files)?;
+        let name = files[main].name.clone();
         let source = match format {
             Format::Glb | Format::Gltf => Source::Gltf(Box::new(gltf::read(files, main, format)?)),
             Format::Obj => Source::Obj(Box::new(obj::read(&files[main])?)),
         };
         let document = Self { source, byte_count };
         if document.mesh().triangles.is_empty() {
-            return Err(Error::new(ErrorCode::NoTriangles, "", "the file has no triangles"));
+            return Err(Error::new(ErrorCode::NoTriangles, name, "the file has no triangles"));
         }
         Ok(document)
     }

@@ -46,6 +46,9 @@ const view = new View(
 );
 const session = new Session({ get value() { return state.peek(); }, update }, createWorkerClient(), view);
 
+const dockObserver = new ResizeObserver(() => view.setInsets(insetsOf(host)));
+dockObserver.observe(canvas);
+
 const actions: Actions = {
   openFiles: (files) => void session.open(filesOfInput(files)),
   openSample: (sample) => void session.openAddress(new URL(sample.address, location.href), sample.fileName, sample.credit),
@@ -60,9 +63,18 @@ const actions: Actions = {
   download: () => void session.download(),
 };
 
+let drawing = false;
+let observedDock: Element | null = null;
 effect(() => {
-  render(<App state={state.value} actions={actions} />, host);
-  view.setInsets(insetsOf(host));
+  void state.value;
+  if (drawing) return;
+  drawing = true;
+  // Changes that come together are drawn together.
+  queueMicrotask(() => {
+    drawing = false;
+    render(<App state={state.peek()} actions={actions} />, host);
+    observeDock(host);
+  });
 });
 watch((now) => `${now.model?.wantedTriangles} ${now.outputFormat}`, () => session.wishChanged());
 watch((now) => now.view, (settings) => view.setSettings(settings));
@@ -74,7 +86,6 @@ watchSystemTheme(() => view.setTheme(applyTheme(state.peek().view.theme)));
 bindKeys(canvas, actions, (move) => view.move(move), () => state.peek());
 bindPointers(canvas, (move) => view.move(move));
 bindDrop();
-addEventListener('resize', () => view.setInsets(insetsOf(host)));
 
 const address = new URLSearchParams(location.search).get('model');
 if (address !== null) openAddress(address);
@@ -97,6 +108,15 @@ function watch<T>(select: (state: State) => T, act: (value: T) => void): void {
     last = { value };
     act(value);
   });
+}
+
+/** Sees to it that a dock that has come or gone is known; a ResizeObserver tells when its size has settled. */
+function observeDock(page: HTMLElement): void {
+  const dock = page.querySelector('[data-inset]');
+  if (dock === observedDock) return;
+  if (observedDock !== null) dockObserver.unobserve(observedDock);
+  if (dock !== null) dockObserver.observe(dock);
+  observedDock = dock;
 }
 
 /** What panels cover of the view, as they mark it themselves. */

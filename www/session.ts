@@ -12,6 +12,8 @@ export interface Store {
   update(transition: (state: State) => State): void;
 }
 
+const CANCELLED = 'Cancelled. Move the slider to simplify again.';
+
 /** Milliseconds without a new wish before the file for it is written to learn its size. */
 const SETTLE_TIME = 250;
 
@@ -152,10 +154,14 @@ export class Session {
         }),
       );
       this.tellSize(byteLength, 'glb', summary.triangles);
-      void this.record(open);
+      // The panel first: with few cores, drawing and simplifying would keep the page from laying it out.
+      await afterNextPaint();
+      if (this.current !== open) return prepared.discard();
       void prepared.show().then(() => {
         if (this.current === open) this.store.update(transitions.modelDrawn);
       });
+      if (signal.aborted) this.store.update((state) => transitions.recordingEnded(state, CANCELLED));
+      else void this.record(open);
     } catch (error) {
       if (this.current?.document !== document) document.dispose();
       throw error;
@@ -184,7 +190,7 @@ export class Session {
       open.reopened = false;
     } catch (error) {
       if (recording.signal.aborted) {
-        update((state) => transitions.recordingEnded(state, 'Cancelled. Move the slider to simplify again.'));
+        update((state) => transitions.recordingEnded(state, CANCELLED));
       } else if (isCurrent() && (await this.reopen(open, error))) {
         open.recording = null;
         return this.record(open);
@@ -307,6 +313,14 @@ export class Session {
 }
 
 const wishKey = (model: Model, format: OutputFormat): string => `${model.wantedTriangles}.${format}`;
+
+/** Resolves when the page has been painted with what it knows now, and soon where nothing is painted. */
+const afterNextPaint = (): Promise<void> =>
+  new Promise((resolve) => {
+    requestAnimationFrame(() => setTimeout(resolve));
+    // A tab in the background has no frames.
+    setTimeout(resolve, 200);
+  });
 
 // A file that cannot be had is left out: opening the model tells whether it can do without, and names the place.
 async function fetchReference(reference: string, address: URL, signal: AbortSignal): Promise<File[]> {

@@ -1,4 +1,5 @@
 // The landing's background: one mesh that is fine on the left and coarse on the right, without a crack between.
+import { useEffect, useState } from 'preact/hooks';
 
 const WIDTH = 1600;
 const HEIGHT = 900;
@@ -35,12 +36,16 @@ function drawField(): string {
   return path.join('');
 }
 
-const FIELD = drawField();
-
+/** Drawn in a task of its own, so that the landing does not wait for its ornament. */
 export function MeshField() {
+  const [field, setField] = useState('');
+  useEffect(() => {
+    const timer = setTimeout(() => setField(drawField()));
+    return () => clearTimeout(timer);
+  }, []);
   return (
     <svg class="mesh-field" viewBox={`0 0 ${WIDTH} ${HEIGHT}`} preserveAspectRatio="xMidYMid slice" aria-hidden="true">
-      <path d={FIELD} />
+      <path d={field} />
     </svg>
   );
 }

@@ -10,6 +10,8 @@ const MARKS = [1, 0.5, 0.25, 0.1, 0.01, 0.001];
 /** Part of the scale that an arrow key and a page key move. */
 const ARROW_STEP = 0.01;
 const PAGE_STEP = 0.1;
+/** Marks nearer to each other than this part of the scale would touch on a telephone. */
+const CROWDED = 0.13;
 /** Width of the thumb; the scale runs between its centres at both ends. Same as in the style sheet. */
 const THUMB = 26;
 
@@ -90,25 +92,43 @@ export function LodSlider({ value, fewest, all, pending, onChange }: LodSliderPr
         <div class="lod-thumb" aria-hidden="true" />
       </div>
       <div class="lod-marks">
-        {MARKS.filter((share) => all * share >= fewest * 1.5 && all * share >= 3).map((share) => {
-          const count = Math.round(all * share);
-          return (
+        {marksOf(fewest, all).map(({ share, count, at, crowded }) => (
             <button
               key={share}
               type="button"
-              class={share === 0.5 ? 'crowded' : undefined}
-              style={{ '--at': String(positionOfTriangles(count, fewest, all)) }}
+              class={crowded ? 'crowded' : undefined}
+              style={{ '--at': String(at) }}
               aria-label={`Keep ${share * 100} %`}
               aria-pressed={count === value}
               onClick={() => { startGesture(); onChange(count, gesture.current); }}
             >
               {share * 100}<span class="unit">%</span>
             </button>
-          );
-        })}
+        ))}
       </div>
     </div>
   );
+}
+
+interface Mark {
+  readonly share: number;
+  readonly count: number;
+  /** 0..1 along the scale. */
+  readonly at: number;
+  /** Too near to the one before for a narrow screen. */
+  readonly crowded: boolean;
+}
+
+/** The shares that make sense between `fewest` and `all`, from the right. */
+function marksOf(fewest: number, all: number): Mark[] {
+  let last = Infinity;
+  return MARKS.filter((share) => all * share >= Math.max(fewest * 1.5, 3) || share === 1).map((share) => {
+    const count = Math.round(all * share);
+    const at = positionOfTriangles(count, fewest, all);
+    const crowded = last - at < CROWDED;
+    if (!crowded) last = at;
+    return { share, count, at, crowded };
+  });
 }
 
 function keyTarget(event: KeyboardEvent, value: number, position: number, fewest: number, all: number): number | undefined {

@@ -55,7 +55,7 @@ function Figure({ name, before, after, change, pending }: FigureProps) {
         <span class="after">{after}</span>
         <span class="before">
           of {before}
-          {change !== null && <span class="change">{formatShare(change)}</span>}
+          {change !== null && <span class="change"> · {formatShare(change)}</span>}
         </span>
       </dd>
     </div>
