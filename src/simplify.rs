@@ -22,10 +22,10 @@ use crate::collapse_sequence::{Collapse, CollapseSequence, StopReason};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
 use crate::mesh::weld::{self, NO_VERTEX, Weld};
-use lanes::{Lanes3, WIDTH};
+use lanes::{Lanes, Lanes3, WIDTH};
 use legality::Refusal;
 use placement::Placement;
-use quadric::{Quadric, Vec3};
+use quadric::{Quadric, QuadricLanes, Vec3};
 use topology::{FanTriangle, Topology, Triangle};
 use vertex_kind::{Freedom, NONE, Polyline, VertexKind};
 
@@ -105,7 +105,7 @@ enum Stage {
     Fans,
     Kinds,
     Quadrics,
-    Keys(u32),
+    Keys(usize),
     Sweep,
     Done,
 }
@@ -252,8 +252,8 @@ impl Simplifier {
                 self.stage = Stage::Keys(0);
             }
             Stage::Keys(first) => {
-                let count = self.topology.vertices.len() as u32;
-                let last = count.min(first.saturating_add((work / 2).clamp(1, u32::MAX as usize) as u32));
+                let count = self.topology.triangles.len();
+                let last = count.min(first.saturating_add(work.max(1)));
                 self.compute_keys(first, last);
                 self.stage = if last == count { Stage::Sweep } else { Stage::Keys(last) };
             }
@@ -264,7 +264,7 @@ impl Simplifier {
     }
 
     fn progress(&self) -> Progress {
-        let count = self.topology.vertices.len().max(1) as f32;
+        let count = self.topology.triangles.len().max(1) as f32;
         let fraction = match self.stage {
             Stage::Weld => 0.0,
             Stage::Triangles => 0.05,
@@ -421,34 +421,37 @@ impl Simplifier {
         sum
     }
 
-    fn compute_keys(&mut self, first: u32, last: u32) {
-        for v in first..last {
-            self.topology.walk_fan(v, &mut self.scratch.fan);
-            self.gather_candidates(v, |w| w > v);
-            for candidate in &self.scratch.candidates {
-                for end in [v, candidate.neighbour] {
+    /// First keys, from the triangles' edges: the cost of merging at the better end, which bounds
+    /// the solved cost from above. No fan is walked and nothing is solved, and the error is as
+    /// with solved keys: the first visit solves, and the thresholds are coarse.
+    fn compute_keys(&mut self, first: usize, last: usize) {
+        let vertices = &self.topology.vertices;
+        for &[a, b, c] in &self.topology.triangles[first..last] {
+            for (u, v) in [(a, b), (b, c), (c, a)] {
+                // The other direction, from `v`, is in the triangle across the edge.
+                let from = &vertices[u as usize];
+                let cost = from.quadric.error_at(vertices[v as usize].position - from.position);
+                for end in [u, v] {
                     let key = &mut self.keys[end as usize];
-                    *key = quadric::smaller(*key, candidate.placement.cost);
+                    *key = quadric::smaller(*key, cost);
                 }
             }
         }
     }
 
-    /// Fills the candidates with every edge at `v` to a `wanted` neighbour that its kind allows,
-    /// at its best placement. The fan of `v` is in `scratch.fan`.
-    fn gather_candidates(&mut self, v: u32, wanted: impl Fn(u32) -> bool) {
+    /// Fills the candidates with every edge at `v` that its kind allows, at its best placement. The fan of `v` is in `scratch.fan`.
+    fn gather_candidates(&mut self, v: u32) {
         let Self { topology, scratch, polylines, options, .. } = self;
         scratch.candidates.clear();
         scratch.neighbours.clear();
         let own = &topology.vertices[v as usize];
         let optimal = options.placement == PlacementRule::Optimal;
         let Scratch { fan, neighbours, candidates, .. } = scratch;
+        let all_manifold = optimal
+            && own.kind == VertexKind::Manifold
+            && fan.iter().all(|t| topology.vertices[t.next as usize].kind == VertexKind::Manifold);
         let mut consider = |w: u32| {
             let other = &topology.vertices[w as usize];
-            if own.kind == VertexKind::Manifold && other.kind == VertexKind::Manifold && optimal {
-                neighbours.push(w);
-                return;
-            }
             let freedom = vertex_kind::freedom(own.kind, other.kind, || {
                 let (line, end) = if own.kind == VertexKind::Complex { (w, v) } else { (v, w) };
                 polylines[line as usize].contains(&end)
@@ -472,15 +475,18 @@ impl Simplifier {
             };
             candidates.push(Candidate { neighbour: w, freedom, placement });
         };
-        if matches!(own.kind, VertexKind::Manifold | VertexKind::Seam) {
-            for t in fan.iter().filter(|t| wanted(t.next)) {
+        if all_manifold {
+            // The common case, without a look at each pair of kinds.
+            neighbours.extend(fan.iter().map(|t| t.next));
+        } else if matches!(own.kind, VertexKind::Manifold | VertexKind::Seam) {
+            for t in fan.iter() {
                 consider(t.next);
             }
         } else {
             // Open and non-manifold fans: some neighbours only arrive, some come twice.
             for (i, t) in fan.iter().enumerate() {
                 for w in [t.next, t.previous] {
-                    if wanted(w) && fan[..i].iter().all(|t| t.next != w && t.previous != w) {
+                    if fan[..i].iter().all(|t| t.next != w && t.previous != w) {
                         consider(w);
                     }
                 }
@@ -592,7 +598,7 @@ impl Simplifier {
     /// Returns the work done.
     fn visit(&mut self, mesh: &Mesh, v: u32) -> usize {
         self.topology.walk_fan(v, &mut self.scratch.fan);
-        self.gather_candidates(v, |_| true);
+        self.gather_candidates(v);
         let mut refused = false;
         for _ in 0..TRIES {
             let Some(best) = take_cheapest(&mut self.scratch.candidates) else { break };
@@ -870,7 +876,7 @@ fn gather_changes(
             changes.push(Change { vertex: v, triangle: *t, difference: Quadric::default() });
         }
     }
-    let mut sum = Quadric::default();
+    let mut sum = QuadricLanes::zero();
     let at = |v: u32| topology.vertices[v as usize].position;
     let merged = Lanes3::gather([position; WIDTH]);
     for four in changes.chunks_mut(WIDTH) {
@@ -885,13 +891,15 @@ fn gather_changes(
         if !legality::keep_upright(before, after, longest) {
             return Err(Refusal::Flip);
         }
-        let (after, before) = (Quadric::of_triangles(after), Quadric::of_triangles(before));
-        for ((change, after), before) in four.iter_mut().zip(after).zip(before) {
-            sum += after;
-            change.difference = after - before;
+        let after = QuadricLanes::of_triangles(after);
+        let difference = after.minus(&QuadricLanes::of_triangles(before));
+        sum.add_weighted(&after, Lanes(std::array::from_fn(|k| if k < four.len() { 1.0 } else { 0.0 })));
+        for (k, change) in four.iter_mut().enumerate() {
+            change.difference = difference.lane(k);
         }
     }
-    Ok(sum)
+    let (first, second) = (sum.lane(0) + sum.lane(1), sum.lane(2) + sum.lane(3));
+    Ok(first + second)
 }
 
 /// The engine space of each part.

@@ -8,7 +8,7 @@
 
 use std::ops::{Add, AddAssign, Mul, Sub, SubAssign};
 
-use super::lanes::{Lanes, Lanes3, WIDTH};
+use super::lanes::{Lanes, Lanes3};
 
 /// The larger of two numbers that are not NaN. `f32::max` heeds NaN, and WebAssembly's own
 /// instruction does so differently, so that it becomes a call; this is one comparison.
@@ -113,25 +113,6 @@ impl Quadric {
         Self { xx: m.x * n.x, xy: m.x * n.y, xz: m.x * n.z, yy: m.y * n.y, yz: m.y * n.z, zz: m.z * n.z, g: n }
     }
 
-    /// As [`Quadric::of_triangle`], four at once.
-    #[inline(always)]
-    pub(super) fn of_triangles(n: Lanes3) -> [Self; WIDTH] {
-        let length = n.dot(n).sqrt();
-        // A triangle of no area has no weight: 0 · (1 / tiny) and not 0 / 0.
-        let m = n.scale(Lanes::splat(1.0) / length.max(Lanes::splat(f32::MIN_POSITIVE)));
-        let (xx, xy, xz) = (m.x * n.x, m.x * n.y, m.x * n.z);
-        let (yy, yz, zz) = (m.y * n.y, m.y * n.z, m.z * n.z);
-        std::array::from_fn(|k| Self {
-            xx: xx.0[k],
-            xy: xy.0[k],
-            xz: xz.0[k],
-            yy: yy.0[k],
-            yz: yz.0[k],
-            zz: zz.0[k],
-            g: Vec3 { x: n.x.0[k], y: n.y.0[k], z: n.z.0[k] },
-        })
-    }
-
     /// Squared distance to the line along `e`, times |e|² · `weight`: holds borders and seams.
     #[inline(always)]
     pub(super) fn of_line(e: Vec3, weight: f32) -> Self {
@@ -213,5 +194,73 @@ impl SubAssign for Quadric {
     #[inline(always)]
     fn sub_assign(&mut self, o: Self) {
         *self = *self - o;
+    }
+}
+
+/// Four quadrics side by side.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct QuadricLanes {
+    pub(super) xx: Lanes,
+    pub(super) xy: Lanes,
+    pub(super) xz: Lanes,
+    pub(super) yy: Lanes,
+    pub(super) yz: Lanes,
+    pub(super) zz: Lanes,
+    pub(super) g: Lanes3,
+}
+
+impl QuadricLanes {
+    pub(super) fn zero() -> Self {
+        let zero = Lanes::splat(0.0);
+        let g = Lanes3 { x: zero, y: zero, z: zero };
+        Self { xx: zero, xy: zero, xz: zero, yy: zero, yz: zero, zz: zero, g }
+    }
+
+    /// As [`Quadric::of_triangle`], for four.
+    #[inline(always)]
+    pub(super) fn of_triangles(n: Lanes3) -> Self {
+        let length = n.dot(n).sqrt();
+        // A triangle of no area has no weight: 0 · (1 / tiny) and not 0 / 0.
+        let m = n.scale(Lanes::splat(1.0) / length.max(Lanes::splat(f32::MIN_POSITIVE)));
+        Self { xx: m.x * n.x, xy: m.x * n.y, xz: m.x * n.z, yy: m.y * n.y, yz: m.y * n.z, zz: m.z * n.z, g: n }
+    }
+
+    /// One of the four.
+    #[inline(always)]
+    pub(super) fn lane(&self, k: usize) -> Quadric {
+        Quadric {
+            xx: self.xx.0[k],
+            xy: self.xy.0[k],
+            xz: self.xz.0[k],
+            yy: self.yy.0[k],
+            yz: self.yz.0[k],
+            zz: self.zz.0[k],
+            g: Vec3 { x: self.g.x.0[k], y: self.g.y.0[k], z: self.g.z.0[k] },
+        }
+    }
+
+    /// Adds `weight` times `o`, per lane.
+    #[inline(always)]
+    pub(super) fn add_weighted(&mut self, o: &Self, weight: Lanes) {
+        self.xx = self.xx + o.xx * weight;
+        self.xy = self.xy + o.xy * weight;
+        self.xz = self.xz + o.xz * weight;
+        self.yy = self.yy + o.yy * weight;
+        self.yz = self.yz + o.yz * weight;
+        self.zz = self.zz + o.zz * weight;
+        self.g = self.g + o.g.scale(weight);
+    }
+
+    #[inline(always)]
+    pub(super) fn minus(&self, o: &Self) -> Self {
+        Self {
+            xx: self.xx - o.xx,
+            xy: self.xy - o.xy,
+            xz: self.xz - o.xz,
+            yy: self.yy - o.yy,
+            yz: self.yz - o.yz,
+            zz: self.zz - o.zz,
+            g: self.g - o.g,
+        }
     }
 }

@@ -36,6 +36,12 @@ pub(super) struct FanTriangle {
     pub(super) previous: u32,
 }
 
+/// All ones if true.
+#[inline(always)]
+fn mask(condition: bool) -> u32 {
+    u32::from(condition).wrapping_neg()
+}
+
 /// Vertices, triangles and the fan pool.
 #[derive(Debug)]
 pub(super) struct Topology {
@@ -93,25 +99,24 @@ impl Topology {
         let vertex = &mut self.vertices[v as usize];
         let start = vertex.fan_start as usize;
         let slice = &mut self.pool[start..start + vertex.fan_length as usize];
-        let mut kept = 0;
+        fan.reserve(slice.len());
         for i in 0..slice.len() {
             let triangle = slice[i];
             let [a, b, c] = self.triangles[triangle as usize];
             if a == DEAD {
                 continue;
             }
-            let (next, previous) = if a == v {
-                (b, c)
-            } else if b == v {
-                (c, a)
-            } else {
-                (a, b)
-            };
-            slice[kept] = triangle;
-            kept += 1;
+            // Which corner it is cannot be predicted: masks, not branches.
+            let (at_a, at_b) = (mask(a == v), mask(b == v));
+            let at_c = !(at_a | at_b);
+            let next = (b & at_a) | (c & at_b) | (a & at_c);
+            let previous = (c & at_a) | (a & at_b) | (b & at_c);
+            if fan.len() < i {
+                slice[fan.len()] = triangle;
+            }
             fan.push(FanTriangle { triangle, next, previous });
         }
-        vertex.fan_length = kept as u32;
+        vertex.fan_length = fan.len() as u32;
     }
 
     /// Gives `v` the fan made of `a` and `b`; both are live triangles already renamed to `v`.
