@@ -1,8 +1,8 @@
 //! Simplification: greedy edge collapse by quadric error, in coarse spatial order.
 //!
 //! The outline: weld and number the vertices along a Morton curve; build fans; classify the
-//! vertices; compute every vertex's memoryless quadric; give every vertex the cost of its cheapest
-//! edge as a key. Then raise a threshold by octaves of the cost, and at each sweep the vertices
+//! vertices; compute every vertex's memoryless quadric; give every vertex a first key, the least cost
+//! of merging along one of its edges at an end. Then raise a threshold by octaves of the cost, and at each sweep the vertices
 //! whose key is below it in spatial order: evaluate the vertex's edges afresh, collapse the
 //! cheapest legal one, update the quadrics of the ring, go on. Everything is recorded in a
 //! [`CollapseSequence`].
