@@ -6,6 +6,7 @@
 //! accessors of the file, because the primitives of a file differ in which attributes they have.
 
 pub mod attribute;
+pub(crate) mod chart;
 pub mod weld;
 
 pub use attribute::{Attribute, Blend};

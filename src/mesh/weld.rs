@@ -77,8 +77,10 @@ fn morton_sorted(positions: &[[f32; 3]], wedges: Vec<u32>) -> Vec<(u32, u32)> {
     let mut high = [f64::NEG_INFINITY; 3];
     for &w in &wedges {
         for (axis, &c) in positions[w as usize].iter().enumerate() {
-            low[axis] = low[axis].min(f64::from(c));
-            high[axis] = high[axis].max(f64::from(c));
+            // Comparisons, because `min` and `max` are calls in WebAssembly.
+            let c = f64::from(c);
+            low[axis] = if c < low[axis] { c } else { low[axis] };
+            high[axis] = if c > high[axis] { c } else { high[axis] };
         }
     }
     for axis in 0..3 {

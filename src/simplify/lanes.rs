@@ -1,71 +1,316 @@
-//! Four `f32` at once, in plain arrays that the compiler turns into one SIMD register.
+//! Four `f32` at once: one register where WebAssembly has SIMD, a plain array elsewhere.
 //!
-//! No intrinsics and no `unsafe`: with simd128 or SSE the operators below become single
-//! instructions, without them they are four scalar ones with the same result bit for bit.
+//! Both give the same result bit for bit: only operations that IEEE 754 defines exactly, no
+//! estimates and nothing fused. No `unsafe`: the array becomes SIMD where the compiler sees it
+//! (SSE, NEON), and WebAssembly's intrinsics on registers are safe functions. They are here
+//! because the compiler left half of the array version scalar there.
 
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 
 use super::quadric::Vec3;
 
 /// Number of lanes.
 pub(super) const WIDTH: usize = 4;
 
-/// Four independent numbers.
-#[derive(Debug, Clone, Copy)]
-#[repr(align(16))]
-pub(super) struct Lanes(pub(super) [f32; WIDTH]);
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod register {
+    use super::WIDTH;
+    use core::arch::wasm32 as simd;
+
+    /// Four independent numbers.
+    #[derive(Debug, Clone, Copy)]
+    #[repr(transparent)]
+    pub(in crate::simplify) struct Lanes(simd::v128);
+
+    /// For each lane all ones or all zeros.
+    #[derive(Debug, Clone, Copy)]
+    pub(in crate::simplify) struct Mask(pub(super) simd::v128);
+
+    impl Lanes {
+        #[inline(always)]
+        pub(in crate::simplify) fn new([a, b, c, d]: [f32; WIDTH]) -> Self {
+            Self(simd::f32x4(a, b, c, d))
+        }
+
+        #[inline(always)]
+        pub(in crate::simplify) fn splat(value: f32) -> Self {
+            Self(simd::f32x4_splat(value))
+        }
+
+        #[inline(always)]
+        pub(in crate::simplify) fn lane<const K: usize>(self) -> f32 {
+            simd::f32x4_extract_lane::<K>(self.0)
+        }
+
+        /// The 4×4 transposition: lane `k` of all four side by side.
+        #[inline(always)]
+        pub(in crate::simplify) fn transpose([a, b, c, d]: [Self; WIDTH]) -> [Self; WIDTH] {
+            let low = |a: Self, b: Self| simd::i32x4_shuffle::<0, 4, 1, 5>(a.0, b.0);
+            let high = |a: Self, b: Self| simd::i32x4_shuffle::<2, 6, 3, 7>(a.0, b.0);
+            let (ab, cd, ab_high, cd_high) = (low(a, b), low(c, d), high(a, b), high(c, d));
+            [
+                Self(simd::i64x2_shuffle::<0, 2>(ab, cd)),
+                Self(simd::i64x2_shuffle::<1, 3>(ab, cd)),
+                Self(simd::i64x2_shuffle::<0, 2>(ab_high, cd_high)),
+                Self(simd::i64x2_shuffle::<1, 3>(ab_high, cd_high)),
+            ]
+        }
+
+        /// Lanes 1 to 3, then lane 0 of `next`.
+        #[inline(always)]
+        pub(in crate::simplify) fn followed_by(self, next: Self) -> Self {
+            Self(simd::i32x4_shuffle::<1, 2, 3, 4>(self.0, next.0))
+        }
+
+        #[inline(always)]
+        pub(in crate::simplify) fn sqrt(self) -> Self {
+            Self(simd::f32x4_sqrt(self.0))
+        }
+
+        /// Where `self` ≤ `o`; not where either is NaN.
+        #[inline(always)]
+        pub(in crate::simplify) fn at_most(self, o: Self) -> Mask {
+            Mask(simd::f32x4_le(self.0, o.0))
+        }
+
+        #[inline(always)]
+        pub(in crate::simplify) fn select(mask: Mask, then: Self, other: Self) -> Self {
+            Self(simd::v128_bitselect(then.0, other.0, mask.0))
+        }
+
+        #[inline(always)]
+        pub(super) fn add(self, o: Self) -> Self {
+            Self(simd::f32x4_add(self.0, o.0))
+        }
+
+        #[inline(always)]
+        pub(super) fn sub(self, o: Self) -> Self {
+            Self(simd::f32x4_sub(self.0, o.0))
+        }
+
+        #[inline(always)]
+        pub(super) fn mul(self, o: Self) -> Self {
+            Self(simd::f32x4_mul(self.0, o.0))
+        }
+
+        #[inline(always)]
+        pub(super) fn div(self, o: Self) -> Self {
+            Self(simd::f32x4_div(self.0, o.0))
+        }
+    }
+
+    /// Bit `k` says whether slot `k` is `value`.
+    #[inline(always)]
+    pub(in crate::simplify) fn equal_bits(slots: &[u32; 2 * WIDTH], value: u32) -> u32 {
+        let [a, b, c, d, e, f, g, h] = *slots;
+        let value = simd::u32x4_splat(value);
+        let low = simd::i32x4_bitmask(simd::i32x4_eq(simd::u32x4(a, b, c, d), value));
+        let high = simd::i32x4_bitmask(simd::i32x4_eq(simd::u32x4(e, f, g, h), value));
+        u32::from(low) | (u32::from(high) << WIDTH)
+    }
+
+    impl Mask {
+        #[inline(always)]
+        pub(in crate::simplify) fn all(self) -> bool {
+            simd::i32x4_all_true(self.0)
+        }
+
+        #[inline(always)]
+        pub(super) fn and(self, o: Self) -> Self {
+            Self(simd::v128_and(self.0, o.0))
+        }
+
+        #[inline(always)]
+        pub(super) fn or(self, o: Self) -> Self {
+            Self(simd::v128_or(self.0, o.0))
+        }
+
+        #[inline(always)]
+        pub(super) fn inverted(self) -> Self {
+            Self(simd::v128_not(self.0))
+        }
+    }
+}
+
+#[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+mod register {
+    use super::WIDTH;
+
+    /// Four independent numbers.
+    #[derive(Debug, Clone, Copy)]
+    #[repr(align(16))]
+    pub(in crate::simplify) struct Lanes([f32; WIDTH]);
+
+    /// For each lane all ones or all zeros.
+    #[derive(Debug, Clone, Copy)]
+    pub(in crate::simplify) struct Mask([u32; WIDTH]);
+
+    impl Lanes {
+        #[inline(always)]
+        pub(in crate::simplify) fn new(lanes: [f32; WIDTH]) -> Self {
+            Self(lanes)
+        }
+
+        #[inline(always)]
+        pub(in crate::simplify) fn splat(value: f32) -> Self {
+            Self([value; WIDTH])
+        }
+
+        #[inline(always)]
+        pub(in crate::simplify) fn lane<const K: usize>(self) -> f32 {
+            self.0[K]
+        }
+
+        /// The 4×4 transposition: lane `k` of all four side by side.
+        #[inline(always)]
+        pub(in crate::simplify) fn transpose([a, b, c, d]: [Self; WIDTH]) -> [Self; WIDTH] {
+            let column = |k: usize| Self([a.0[k], b.0[k], c.0[k], d.0[k]]);
+            [column(0), column(1), column(2), column(3)]
+        }
+
+        /// Lanes 1 to 3, then lane 0 of `next`.
+        #[inline(always)]
+        pub(in crate::simplify) fn followed_by(self, next: Self) -> Self {
+            Self([self.0[1], self.0[2], self.0[3], next.0[0]])
+        }
+
+        #[inline(always)]
+        pub(in crate::simplify) fn sqrt(self) -> Self {
+            let a = self.0;
+            Self([a[0].sqrt(), a[1].sqrt(), a[2].sqrt(), a[3].sqrt()])
+        }
+
+        /// Where `self` ≤ `o`; not where either is NaN.
+        #[inline(always)]
+        pub(in crate::simplify) fn at_most(self, o: Self) -> Mask {
+            let mask = |k: usize| u32::from(self.0[k] <= o.0[k]).wrapping_neg();
+            Mask([mask(0), mask(1), mask(2), mask(3)])
+        }
+
+        /// By bit masks, which the compiler keeps in one register; branches it would take apart.
+        #[inline(always)]
+        pub(in crate::simplify) fn select(mask: Mask, then: Self, other: Self) -> Self {
+            let pick =
+                |k: usize| f32::from_bits((then.0[k].to_bits() & mask.0[k]) | (other.0[k].to_bits() & !mask.0[k]));
+            Self([pick(0), pick(1), pick(2), pick(3)])
+        }
+
+        #[inline(always)]
+        pub(super) fn add(self, o: Self) -> Self {
+            let (a, b) = (self.0, o.0);
+            Self([a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]])
+        }
+
+        #[inline(always)]
+        pub(super) fn sub(self, o: Self) -> Self {
+            let (a, b) = (self.0, o.0);
+            Self([a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]])
+        }
+
+        #[inline(always)]
+        pub(super) fn mul(self, o: Self) -> Self {
+            let (a, b) = (self.0, o.0);
+            Self([a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]])
+        }
+
+        #[inline(always)]
+        pub(super) fn div(self, o: Self) -> Self {
+            let (a, b) = (self.0, o.0);
+            Self([a[0] / b[0], a[1] / b[1], a[2] / b[2], a[3] / b[3]])
+        }
+    }
+
+    /// Bit `k` says whether slot `k` is `value`.
+    #[inline(always)]
+    pub(in crate::simplify) fn equal_bits(slots: &[u32; 2 * WIDTH], value: u32) -> u32 {
+        let mut bits = 0;
+        for (k, &slot) in slots.iter().enumerate() {
+            bits |= u32::from(slot == value) << k;
+        }
+        bits
+    }
+
+    impl Mask {
+        #[inline(always)]
+        pub(in crate::simplify) fn all(self) -> bool {
+            self.0[0] & self.0[1] & self.0[2] & self.0[3] != 0
+        }
+
+        #[inline(always)]
+        pub(super) fn and(self, o: Self) -> Self {
+            let (a, b) = (self.0, o.0);
+            Self([a[0] & b[0], a[1] & b[1], a[2] & b[2], a[3] & b[3]])
+        }
+
+        #[inline(always)]
+        pub(super) fn or(self, o: Self) -> Self {
+            let (a, b) = (self.0, o.0);
+            Self([a[0] | b[0], a[1] | b[1], a[2] | b[2], a[3] | b[3]])
+        }
+
+        #[inline(always)]
+        pub(super) fn inverted(self) -> Self {
+            Self(self.0.map(|lane| !lane))
+        }
+    }
+}
+
+pub(super) use register::{Lanes, Mask, equal_bits};
 
 impl Lanes {
+    pub(super) const INDEX: [f32; WIDTH] = [0.0, 1.0, 2.0, 3.0];
+
     #[inline(always)]
-    pub(super) fn splat(value: f32) -> Self {
-        Self([value; WIDTH])
+    pub(super) fn to_array(self) -> [f32; WIDTH] {
+        [self.lane::<0>(), self.lane::<1>(), self.lane::<2>(), self.lane::<3>()]
     }
 
     #[inline(always)]
     pub(super) fn max(self, o: Self) -> Self {
-        o.select_within(self, self, o)
+        Self::select(o.at_most(self), self, o)
     }
 
-    /// Per lane: `then` where `self` ≤ `limit`, `other` where it is larger or NaN. By bit masks,
-    /// which the compiler keeps in one register; branches it would take apart.
+    /// 0 outside the mask.
     #[inline(always)]
-    pub(super) fn select_within(self, limit: Self, then: Self, other: Self) -> Self {
-        let masks = self.at_most(limit);
-        let pick = |k: usize| f32::from_bits((then.0[k].to_bits() & masks[k]) | (other.0[k].to_bits() & !masks[k]));
-        Self([pick(0), pick(1), pick(2), pick(3)])
+    pub(super) fn masked(self, mask: Mask) -> Self {
+        Self::select(mask, self, Self::splat(0.0))
     }
 }
 
 macro_rules! operator {
-    ($trait:ident, $method:ident, $op:tt) => {
-        impl $trait for Lanes {
+    ($type:ident: $($trait:ident, $method:ident;)*) => {
+        $(impl $trait for $type {
             type Output = Self;
             #[inline(always)]
             fn $method(self, o: Self) -> Self {
-                let (a, b) = (self.0, o.0);
-                Self([a[0] $op b[0], a[1] $op b[1], a[2] $op b[2], a[3] $op b[3]])
+                register::$type::$method(self, o)
             }
-        }
+        })*
     };
 }
-operator!(Add, add, +);
-operator!(Sub, sub, -);
-operator!(Mul, mul, *);
-operator!(Div, div, /);
+operator!(Lanes: Add, add; Sub, sub; Mul, mul; Div, div;);
 
-impl Lanes {
-    /// Per lane.
+impl BitAnd for Mask {
+    type Output = Self;
     #[inline(always)]
-    pub(super) fn sqrt(self) -> Self {
-        let a = self.0;
-        Self([a[0].sqrt(), a[1].sqrt(), a[2].sqrt(), a[3].sqrt()])
+    fn bitand(self, o: Self) -> Self {
+        self.and(o)
     }
+}
 
-    /// Per lane: all ones where `self` ≤ `o`, zero where it is larger or NaN.
+impl BitOr for Mask {
+    type Output = Self;
     #[inline(always)]
-    pub(super) fn at_most(self, o: Self) -> [u32; WIDTH] {
-        let mask = |k: usize| u32::from(self.0[k] <= o.0[k]).wrapping_neg();
-        [mask(0), mask(1), mask(2), mask(3)]
+    fn bitor(self, o: Self) -> Self {
+        self.or(o)
+    }
+}
+
+impl Not for Mask {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        self.inverted()
     }
 }
 
@@ -81,7 +326,13 @@ impl Lanes3 {
     /// Four vectors side by side.
     #[inline(always)]
     pub(super) fn gather(v: [Vec3; WIDTH]) -> Self {
-        Self { x: Lanes(v.map(|v| v.x)), y: Lanes(v.map(|v| v.y)), z: Lanes(v.map(|v| v.z)) }
+        Self { x: Lanes::new(v.map(|v| v.x)), y: Lanes::new(v.map(|v| v.y)), z: Lanes::new(v.map(|v| v.z)) }
+    }
+
+    /// The same vector four times.
+    #[inline(always)]
+    pub(super) fn splat(v: Vec3) -> Self {
+        Self { x: Lanes::splat(v.x), y: Lanes::splat(v.y), z: Lanes::splat(v.z) }
     }
 
     #[inline(always)]
@@ -99,14 +350,19 @@ impl Lanes3 {
         Self { x: self.x * s, y: self.y * s, z: self.z * s }
     }
 
-    /// As [`Lanes::select_within`], per lane for all three coordinates.
     #[inline(always)]
-    pub(super) fn select_within(value: Lanes, limit: Lanes, then: Self, other: Self) -> Self {
+    pub(super) fn select(mask: Mask, then: Self, other: Self) -> Self {
         Self {
-            x: value.select_within(limit, then.x, other.x),
-            y: value.select_within(limit, then.y, other.y),
-            z: value.select_within(limit, then.z, other.z),
+            x: Lanes::select(mask, then.x, other.x),
+            y: Lanes::select(mask, then.y, other.y),
+            z: Lanes::select(mask, then.z, other.z),
         }
+    }
+
+    /// As [`Lanes::followed_by`].
+    #[inline(always)]
+    pub(super) fn followed_by(self, next: Self) -> Self {
+        Self { x: self.x.followed_by(next.x), y: self.y.followed_by(next.y), z: self.z.followed_by(next.z) }
     }
 }
 

@@ -6,8 +6,8 @@
 //! slides towards the midpoint instead of running away. The edges of a vertex are solved four at
 //! a time.
 
-use super::lanes::{Lanes, Lanes3, WIDTH};
-use super::quadric::{Quadric, Vec3};
+use super::lanes::{Lanes, Lanes3};
+use super::quadric::{QuadricLanes, Vec3};
 
 /// λ. On six models at 10, 2 and 0.5 % the root-mean-square error was 0.417, 0.420 and 0.439 of
 /// the reference for 1e-6, 1e-8 and 1e-3. Below about 1e-6 the rounding of `f32` takes over.
@@ -24,49 +24,21 @@ pub(super) struct Placement {
     pub(super) cost: f32,
 }
 
-/// Four quadrics side by side.
-struct Lanes6 {
-    xx: Lanes,
-    xy: Lanes,
-    xz: Lanes,
-    yy: Lanes,
-    yz: Lanes,
-    zz: Lanes,
-}
-
-impl Lanes6 {
-    #[inline(always)]
-    fn gather(q: [&Quadric; WIDTH]) -> Self {
-        let lane = |f: fn(&Quadric) -> f32| Lanes(q.map(f));
-        Self {
-            xx: lane(|q| q.xx),
-            xy: lane(|q| q.xy),
-            xz: lane(|q| q.xz),
-            yy: lane(|q| q.yy),
-            yz: lane(|q| q.yz),
-            zz: lane(|q| q.zz),
-        }
-    }
-
-    #[inline(always)]
-    fn apply(&self, d: Lanes3) -> Lanes3 {
-        Lanes3 {
-            x: self.xx * d.x + self.xy * d.y + self.xz * d.z,
-            y: self.xy * d.x + self.yy * d.y + self.yz * d.z,
-            z: self.xz * d.x + self.yz * d.y + self.zz * d.z,
-        }
-    }
+/// Four placements side by side.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placements {
+    pub(super) position: Lanes3,
+    pub(super) cost: Lanes,
 }
 
 /// The best free position of each of the edges from `u` (quadric `qu`) to the `v` (`qv`):
 /// minimises (x+h)ᵀAᵤ(x+h) + (x−h)ᵀAᵥ(x−h) subject to the volume constraint, with x relative to
 /// the edge's midpoint and h half the edge.
 #[inline(always)]
-pub(super) fn solve(u: Vec3, qu: &Quadric, v: [Vec3; WIDTH], qv: [&Quadric; WIDTH]) -> [Placement; WIDTH] {
+pub(super) fn solve(u: Lanes3, a: &QuadricLanes, v: Lanes3, b: &QuadricLanes) -> Placements {
     let half = Lanes::splat(0.5);
-    let h = Lanes3::gather(v.map(|v| v - u)).scale(half);
-    let (a, b) = (Lanes6::gather([qu; WIDTH]), Lanes6::gather(qv));
-    let (gu, gv) = (Lanes3::gather([qu.g; WIDTH]), Lanes3::gather(qv.map(|q| q.g)));
+    let h = (v - u).scale(half);
+    let (gu, gv) = (a.g, b.g);
     let r = (a.xx + b.xx + a.yy + b.yy + a.zz + b.zz) * Lanes::splat(REGULARISATION);
     // S = Aᵤ + Aᵥ + r I = L D Lᵀ. Its true pivots are at least r; rounding may not push them below.
     let least = r * half;
@@ -94,23 +66,26 @@ pub(super) fn solve(u: Vec3, qu: &Quadric, v: [Vec3; WIDTH], qv: [&Quadric; WIDT
     let limit = h.dot(h) * Lanes::splat(REACH);
     let zero = Lanes::splat(0.0);
     let none = Lanes3 { x: zero, y: zero, z: zero };
-    let free = Lanes3::select_within(free.dot(free), limit, free, none);
-    let x = Lanes3::select_within(kept.dot(kept), limit, kept, free);
+    let free = Lanes3::select(free.dot(free).at_most(limit), free, none);
+    let x = Lanes3::select(kept.dot(kept).at_most(limit), kept, free);
     let (from_u, from_v) = (x + h, x - h);
     let cost = (from_u.dot(a.apply(from_u)) + from_v.dot(b.apply(from_v))).max(zero);
-    let lane = |k: usize| Placement {
-        position: u + Vec3 { x: from_u.x.0[k], y: from_u.y.0[k], z: from_u.z.0[k] },
-        cost: cost.0[k],
-    };
-    [lane(0), lane(1), lane(2), lane(3)]
+    Placements { position: u + from_u, cost }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::quadric::Quadric;
     use super::*;
 
     fn solve(u: Vec3, qu: &Quadric, v: Vec3, qv: &Quadric) -> Placement {
-        super::solve(u, qu, [v; WIDTH], [qv; WIDTH])[0]
+        let found =
+            super::solve(Lanes3::splat(u), &QuadricLanes::splat(qu), Lanes3::splat(v), &QuadricLanes::splat(qv));
+        let Lanes3 { x, y, z } = found.position;
+        Placement {
+            position: Vec3 { x: x.lane::<0>(), y: y.lane::<1>(), z: z.lane::<2>() },
+            cost: found.cost.lane::<3>(),
+        }
     }
 
     fn v(x: f32, y: f32, z: f32) -> Vec3 {

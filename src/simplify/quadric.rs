@@ -8,7 +8,7 @@
 
 use std::ops::{Add, AddAssign, Mul, Sub, SubAssign};
 
-use super::lanes::{Lanes, Lanes3};
+use super::lanes::{Lanes, Lanes3, Mask, WIDTH};
 
 /// The larger of two numbers that are not NaN. `f32::max` heeds NaN, and WebAssembly's own
 /// instruction does so differently, so that it becomes a call; this is one comparison.
@@ -197,7 +197,63 @@ impl SubAssign for Quadric {
     }
 }
 
-/// Four quadrics side by side.
+/// A vertex's position and quadric in three registers: x y z xx | xy xz yy yz | zz gx gy gz.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Packed(pub(super) [Lanes; 3]);
+
+impl Packed {
+    /// A position without a quadric.
+    pub(super) fn at(p: Vec3) -> Self {
+        let zero = Lanes::splat(0.0);
+        Self([Lanes::new([p.x, p.y, p.z, 0.0]), zero, zero])
+    }
+
+    #[inline(always)]
+    pub(super) fn position(&self) -> Vec3 {
+        let row = self.0[0];
+        Vec3 { x: row.lane::<0>(), y: row.lane::<1>(), z: row.lane::<2>() }
+    }
+
+    #[inline(always)]
+    pub(super) fn set_position(&mut self, p: Vec3) {
+        self.0[0] = Lanes::new([p.x, p.y, p.z, self.0[0].lane::<3>()]);
+    }
+
+    #[inline(always)]
+    pub(super) fn quadric(&self) -> Quadric {
+        let [[_, _, _, xx], [xy, xz, yy, yz], [zz, x, y, z]] = self.0.map(Lanes::to_array);
+        Quadric { xx, xy, xz, yy, yz, zz, g: Vec3 { x, y, z } }
+    }
+
+    #[inline(always)]
+    pub(super) fn set_quadric(&mut self, q: &Quadric) {
+        let Vec3 { x, y, z } = self.position();
+        self.0 = [
+            Lanes::new([x, y, z, q.xx]),
+            Lanes::new([q.xy, q.xz, q.yy, q.yz]),
+            Lanes::new([q.zz, q.g.x, q.g.y, q.g.z]),
+        ];
+    }
+
+    /// Adds a difference of quadrics, whose first three lanes are 0.
+    #[inline(always)]
+    pub(super) fn add(&mut self, difference: &[Lanes; 3]) {
+        for (row, &difference) in self.0.iter_mut().zip(difference) {
+            *row = *row + difference;
+        }
+    }
+}
+
+impl Quadric {
+    /// As a difference for [`Packed::add`].
+    #[inline(always)]
+    pub(super) fn packed(&self) -> [Lanes; 3] {
+        let Self { xx, xy, xz, yy, yz, zz, g } = *self;
+        [Lanes::new([0.0, 0.0, 0.0, xx]), Lanes::new([xy, xz, yy, yz]), Lanes::new([zz, g.x, g.y, g.z])]
+    }
+}
+
+/// Four vertices or quadrics side by side.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct QuadricLanes {
     pub(super) xx: Lanes,
@@ -216,6 +272,23 @@ impl QuadricLanes {
         Self { xx: zero, xy: zero, xz: zero, yy: zero, yz: zero, zz: zero, g }
     }
 
+    /// Positions and quadrics of four vertices.
+    #[inline(always)]
+    pub(super) fn gather(v: [&Packed; WIDTH]) -> (Lanes3, Self) {
+        let [x, y, z, xx] = Lanes::transpose(v.map(|v| v.0[0]));
+        let [xy, xz, yy, yz] = Lanes::transpose(v.map(|v| v.0[1]));
+        let [zz, gx, gy, gz] = Lanes::transpose(v.map(|v| v.0[2]));
+        (Lanes3 { x, y, z }, Self { xx, xy, xz, yy, yz, zz, g: Lanes3 { x: gx, y: gy, z: gz } })
+    }
+
+    /// The same quadric four times.
+    #[inline(always)]
+    pub(super) fn splat(q: &Quadric) -> Self {
+        let s = Lanes::splat;
+        let g = Lanes3 { x: s(q.g.x), y: s(q.g.y), z: s(q.g.z) };
+        Self { xx: s(q.xx), xy: s(q.xy), xz: s(q.xz), yy: s(q.yy), yz: s(q.yz), zz: s(q.zz), g }
+    }
+
     /// As [`Quadric::of_triangle`], for four.
     #[inline(always)]
     pub(super) fn of_triangles(n: Lanes3) -> Self {
@@ -225,30 +298,40 @@ impl QuadricLanes {
         Self { xx: m.x * n.x, xy: m.x * n.y, xz: m.x * n.z, yy: m.y * n.y, yz: m.y * n.z, zz: m.z * n.z, g: n }
     }
 
-    /// One of the four.
+    /// A·d, per lane.
     #[inline(always)]
-    pub(super) fn lane(&self, k: usize) -> Quadric {
-        Quadric {
-            xx: self.xx.0[k],
-            xy: self.xy.0[k],
-            xz: self.xz.0[k],
-            yy: self.yy.0[k],
-            yz: self.yz.0[k],
-            zz: self.zz.0[k],
-            g: Vec3 { x: self.g.x.0[k], y: self.g.y.0[k], z: self.g.z.0[k] },
+    pub(super) fn apply(&self, d: Lanes3) -> Lanes3 {
+        Lanes3 {
+            x: self.xx * d.x + self.xy * d.y + self.xz * d.z,
+            y: self.xy * d.x + self.yy * d.y + self.yz * d.z,
+            z: self.xz * d.x + self.yz * d.y + self.zz * d.z,
         }
     }
 
-    /// Adds `weight` times `o`, per lane.
+    /// Each of the four as a difference for [`Packed::add`].
     #[inline(always)]
-    pub(super) fn add_weighted(&mut self, o: &Self, weight: Lanes) {
-        self.xx = self.xx + o.xx * weight;
-        self.xy = self.xy + o.xy * weight;
-        self.xz = self.xz + o.xz * weight;
-        self.yy = self.yy + o.yy * weight;
-        self.yz = self.yz + o.yz * weight;
-        self.zz = self.zz + o.zz * weight;
-        self.g = self.g + o.g.scale(weight);
+    pub(super) fn packed(&self) -> [[Lanes; 3]; WIDTH] {
+        let zero = Lanes::splat(0.0);
+        let a = Lanes::transpose([zero, zero, zero, self.xx]);
+        let b = Lanes::transpose([self.xy, self.xz, self.yy, self.yz]);
+        let c = Lanes::transpose([self.zz, self.g.x, self.g.y, self.g.z]);
+        [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]], [a[3], b[3], c[3]]]
+    }
+
+    /// Adds `o` inside the mask.
+    #[inline(always)]
+    pub(super) fn add_masked(&mut self, o: &Self, mask: Mask) {
+        self.xx = self.xx + o.xx.masked(mask);
+        self.xy = self.xy + o.xy.masked(mask);
+        self.xz = self.xz + o.xz.masked(mask);
+        self.yy = self.yy + o.yy.masked(mask);
+        self.yz = self.yz + o.yz.masked(mask);
+        self.zz = self.zz + o.zz.masked(mask);
+        self.g = Lanes3 {
+            x: self.g.x + o.g.x.masked(mask),
+            y: self.g.y + o.g.y.masked(mask),
+            z: self.g.z + o.g.z.masked(mask),
+        };
     }
 
     #[inline(always)]
@@ -262,5 +345,13 @@ impl QuadricLanes {
             zz: self.zz - o.zz,
             g: self.g - o.g,
         }
+    }
+
+    /// The sum over the four lanes.
+    #[inline(always)]
+    pub(super) fn sum(&self) -> Quadric {
+        let [a, b, c, d] = self.packed();
+        let row = |k: usize| (a[k] + b[k]) + (c[k] + d[k]);
+        Packed([row(0), row(1), row(2)]).quadric()
     }
 }

@@ -1,173 +1,470 @@
-//! Connectivity of the mesh while it shrinks: triangles, and the fan of triangles at each vertex.
+//! Connectivity of the mesh while it shrinks: the ordered one-ring of every vertex.
 //!
-//! Flat arrays only. A fan is a slice of triangle ids in one pool; when two vertices merge, the
-//! new fan is written over the longer old slice if it fits and else to the end of the pool, which
-//! is compacted in vertex order when full. Dead triangles stay in the fans of their third
-//! vertices until the fan is next walked, which saves touching those vertices at every collapse.
+//! A ring lists the neighbours of a vertex in the order of its triangles: the triangle after slot
+//! `i` is (vertex, ring[i], ring[i + 1]). Rings lie in blocks of 8, 16, 32 … slots in one pool, so
+//! that most fit half a cache line and a merged ring mostly fits the block of one of its ends. There
+//! are no triangles and no half-edges: a collapse reads two rings, writes one, and changes one
+//! entry in each ring around it.
 
-use super::quadric::{Quadric, Vec3};
+use super::lanes::{Lanes, equal_bits};
+use super::quadric::{Packed, Quadric, Vec3};
+use super::vertex_kind::VertexKind;
 
-/// All that a walk needs of a vertex, in one cache line.
+/// No vertex; separates the chains of a ring in parts.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// How a ring lies in its slots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum Form {
+    /// One cycle: the last slot is followed by the first. Every neighbour occurs once.
+    Closed,
+    /// One chain: there is no triangle after the last slot. Every neighbour occurs once.
+    Open,
+    /// Several chains with [`NONE`] between them, or a neighbour that occurs more than once.
+    Parts,
+}
+
+/// All that an evaluation needs of a vertex, in one cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Vertex {
-    pub(super) position: Vec3,
-    pub(super) quadric: Quadric,
-    fan_start: u32,
-    fan_length: u32,
-    /// Scratch of the link test: the last walk that met this vertex.
-    pub(super) mark: u32,
-    pub(super) kind: super::vertex_kind::VertexKind,
+    /// Position and quadric.
+    pub(super) packed: Packed,
+    ring_start: u32,
+    ring_length: u32,
+    /// Estimated squared deviation here, in engine units.
+    pub(super) error_squared: f32,
+    pub(super) kind: VertexKind,
+    form: Form,
+    /// Logarithm to base 2 of the number of slots in the block.
+    block: u8,
+    /// No longer where the original was.
+    pub(super) moved: bool,
 }
 
 const _: () = assert!(size_of::<Vertex>() == 64);
 
-/// Vertex ids of a triangle.
-pub(super) type Triangle = [u32; 3];
+impl Vertex {
+    #[inline(always)]
+    pub(super) fn position(&self) -> Vec3 {
+        self.packed.position()
+    }
 
-/// The first id of a triangle that is gone.
-const DEAD: u32 = u32::MAX;
+    #[inline(always)]
+    pub(super) fn quadric(&self) -> Quadric {
+        self.packed.quadric()
+    }
 
-/// One triangle of a fan, seen from the fan's vertex: (vertex, next, previous) keep its winding.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct FanTriangle {
-    pub(super) triangle: u32,
+    #[inline(always)]
+    pub(super) fn form(&self) -> Form {
+        self.form
+    }
+
+    #[inline(always)]
+    pub(super) fn ring_length(&self) -> usize {
+        self.ring_length as usize
+    }
+}
+
+/// A triangle seen from one of its vertices: (vertex, next, previous) keep its winding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Corner {
     pub(super) next: u32,
     pub(super) previous: u32,
+    /// The vertex's wedge in this triangle; 0 if there are none.
+    pub(super) wedge: u32,
 }
 
-/// All ones if true.
-#[inline(always)]
-fn mask(condition: bool) -> u32 {
-    u32::from(condition).wrapping_neg()
-}
+/// Smallest block: 8 slots.
+const LEAST_BLOCK: u8 = 3;
 
-/// Vertices, triangles and the fan pool.
-#[derive(Debug)]
+/// Vertices and their rings.
+#[derive(Debug, Default)]
 pub(super) struct Topology {
     pub(super) vertices: Vec<Vertex>,
-    pub(super) triangles: Vec<Triangle>,
-    pool: Vec<u32>,
+    slots: Vec<u32>,
+    /// For each slot the vertex's wedge in the triangle after it; empty when every vertex has one.
+    wedges: Vec<u32>,
+    has_wedges: bool,
+    /// Free blocks by the logarithm of their size.
+    free: Vec<Vec<u32>>,
     pub(super) live_triangle_count: usize,
 }
 
 impl Topology {
-    /// Builds the fans: counted, summed, filled.
-    pub(super) fn new(positions: impl ExactSizeIterator<Item = Vec3>, triangles: Vec<Triangle>) -> Self {
-        let mut vertices: Vec<Vertex> = positions
-            .map(|position| Vertex {
-                position,
-                quadric: Quadric::default(),
-                fan_start: 0,
-                fan_length: 0,
-                mark: 0,
-                kind: super::vertex_kind::VertexKind::Manifold,
+    /// Vertices without rings; see [`Topology::replace_ring`].
+    pub(super) fn new(positions: impl ExactSizeIterator<Item = Vec3>, has_wedges: bool, triangles: usize) -> Self {
+        let count = positions.len();
+        let vertices = positions
+            .zip(0_u32..)
+            .map(|(position, v)| Vertex {
+                packed: Packed::at(position),
+                ring_start: v << LEAST_BLOCK,
+                ring_length: 0,
+                error_squared: 0.0,
+                kind: VertexKind::Manifold,
+                form: Form::Closed,
+                block: LEAST_BLOCK,
+                moved: false,
             })
             .collect();
-        for &v in triangles.iter().flatten() {
-            vertices[v as usize].fan_length += 1;
-        }
-        let mut sum = 0;
-        for vertex in &mut vertices {
-            vertex.fan_start = sum;
-            sum += vertex.fan_length;
-            vertex.fan_length = 0;
-        }
-        let mut pool = vec![0; sum as usize];
-        // Room for appended fans, so that compaction is rare.
-        pool.reserve_exact(sum as usize + 1024);
-        for (t, triangle) in triangles.iter().enumerate() {
-            for &v in triangle {
-                let vertex = &mut vertices[v as usize];
-                pool[(vertex.fan_start + vertex.fan_length) as usize] = t as u32;
-                vertex.fan_length += 1;
-            }
-        }
-        let live_triangle_count = triangles.len();
-        Self { vertices, triangles, pool, live_triangle_count }
+        // A block for each vertex, and room for the few vertices with more than eight neighbours.
+        let mut slots = Vec::with_capacity((count << LEAST_BLOCK) + count / 4 + 64);
+        slots.resize(count << LEAST_BLOCK, NONE);
+        let wedges = vec![0; if has_wedges { slots.len() } else { 0 }];
+        Self { vertices, slots, wedges, has_wedges, free: vec![Vec::new(); 33], live_triangle_count: triangles }
     }
 
-    pub(super) fn kill(&mut self, triangle: u32) {
-        self.triangles[triangle as usize][0] = DEAD;
-        self.live_triangle_count -= 1;
-    }
-
-    /// Fills `fan` with the live triangles at `v` and forgets the dead ones.
     #[inline(always)]
-    pub(super) fn walk_fan(&mut self, v: u32, fan: &mut Vec<FanTriangle>) {
-        fan.clear();
-        let vertex = &mut self.vertices[v as usize];
-        let start = vertex.fan_start as usize;
-        let slice = &mut self.pool[start..start + vertex.fan_length as usize];
-        fan.reserve(slice.len());
-        for i in 0..slice.len() {
-            let triangle = slice[i];
-            let [a, b, c] = self.triangles[triangle as usize];
-            if a == DEAD {
-                continue;
-            }
-            // Which corner it is cannot be predicted: masks, not branches.
-            let (at_a, at_b) = (mask(a == v), mask(b == v));
-            let at_c = !(at_a | at_b);
-            let next = (b & at_a) | (c & at_b) | (a & at_c);
-            let previous = (c & at_a) | (a & at_b) | (b & at_c);
-            if fan.len() < i {
-                slice[fan.len()] = triangle;
-            }
-            fan.push(FanTriangle { triangle, next, previous });
-        }
-        vertex.fan_length = fan.len() as u32;
+    pub(super) fn has_wedges(&self) -> bool {
+        self.has_wedges
     }
 
-    /// Gives `v` the fan made of `a` and `b`; both are live triangles already renamed to `v`.
-    /// `gone` is the vertex whose slice is free now.
-    pub(super) fn set_fan(&mut self, v: u32, gone: u32, triangles: impl Iterator<Item = u32> + Clone) {
-        let length = triangles.clone().count();
-        let (own, other) = (self.vertices[v as usize], self.vertices[gone as usize]);
-        let fits = |vertex: Vertex| vertex.fan_length as usize >= length;
-        let start = if fits(own) {
-            own.fan_start as usize
-        } else if fits(other) {
-            other.fan_start as usize
+    #[inline(always)]
+    pub(super) fn ring(&self, v: u32) -> &[u32] {
+        let vertex = &self.vertices[v as usize];
+        let start = vertex.ring_start as usize;
+        &self.slots[start..start + vertex.ring_length as usize]
+    }
+
+    /// The wedges that go with [`Topology::ring`].
+    #[inline(always)]
+    pub(super) fn ring_wedges(&self, v: u32) -> &[u32] {
+        let vertex = &self.vertices[v as usize];
+        let start = vertex.ring_start as usize;
+        &self.wedges[start..start + vertex.ring_length as usize]
+    }
+
+    /// Where `neighbour` is in the ring of `v`, which has it once.
+    #[inline(always)]
+    pub(super) fn slot_of(&self, v: u32, neighbour: u32) -> Option<usize> {
+        let vertex = &self.vertices[v as usize];
+        let start = vertex.ring_start as usize;
+        let length = vertex.ring_length as usize;
+        if vertex.block == LEAST_BLOCK {
+            // Eight comparisons and no branch: where a search would end cannot be predicted. What is
+            // behind the ring's end may be equal, but comes later.
+            let found =
+                equal_bits(self.slots.get(start..start + 8)?.first_chunk()?, neighbour).trailing_zeros() as usize;
+            (found < length).then_some(found)
         } else {
-            if self.pool.len() + length > self.pool.capacity() {
-                self.vertices[v as usize].fan_length = 0;
-                self.vertices[gone as usize].fan_length = 0;
-                self.compact(length);
+            self.slots[start..start + length].iter().position(|&r| r == neighbour)
+        }
+    }
+
+    /// Appends the triangles at `v`.
+    pub(super) fn corners(&self, v: u32, corners: &mut Vec<Corner>) {
+        let vertex = &self.vertices[v as usize];
+        let ring = self.ring(v);
+        let start = vertex.ring_start as usize;
+        let wedge = |i: usize| if self.has_wedges { self.wedges[start + i] } else { 0 };
+        for i in 1..ring.len() {
+            if ring[i - 1] != NONE && ring[i] != NONE {
+                corners.push(Corner { next: ring[i - 1], previous: ring[i], wedge: wedge(i - 1) });
             }
-            let start = self.pool.len();
-            self.pool.resize(start + length, 0);
-            start
-        };
-        for (slot, triangle) in self.pool[start..start + length].iter_mut().zip(triangles) {
-            *slot = triangle;
         }
+        if let (Form::Closed, [first, .., last]) = (vertex.form, ring) {
+            corners.push(Corner { next: *last, previous: *first, wedge: wedge(ring.len() - 1) });
+        }
+    }
+
+    /// Gives `v` a ring, in its own block if it fits, else in that of `spare`, else in another.
+    /// Vertex `spare` is gone and its block is free afterwards.
+    pub(super) fn set_ring(&mut self, v: u32, spare: u32, form: Form, ring: &[u32], wedges: &[u32]) {
+        let (own, other) = (self.vertices[v as usize], self.vertices[spare as usize]);
+        let size = |block: u8| 1_usize << block;
+        let (mut start, mut block) = (own.ring_start, own.block);
+        if ring.len() <= size(own.block) {
+            self.free[usize::from(other.block)].push(other.ring_start);
+        } else {
+            self.free[usize::from(own.block)].push(own.ring_start);
+            (start, block) = (other.ring_start, other.block);
+            if ring.len() > size(other.block) {
+                self.free[usize::from(other.block)].push(other.ring_start);
+                (start, block) = self.allocate(ring.len());
+            }
+        }
+        let spare = &mut self.vertices[spare as usize];
+        (spare.ring_length, spare.block) = (0, LEAST_BLOCK);
+        self.write(v, start, block, form, ring, wedges);
+    }
+
+    /// Gives `v` another ring.
+    #[inline(always)]
+    pub(super) fn replace_ring(&mut self, v: u32, form: Form, ring: &[u32], wedges: &[u32]) {
+        let own = self.vertices[v as usize];
+        let (mut start, mut block) = (own.ring_start, own.block);
+        if ring.len() > 1 << block {
+            self.free[usize::from(block)].push(start);
+            (start, block) = self.allocate(ring.len());
+        }
+        self.write(v, start, block, form, ring, wedges);
+    }
+
+    #[cold]
+    fn allocate(&mut self, length: usize) -> (u32, u8) {
+        let block = (usize::BITS - length.saturating_sub(1).leading_zeros()).max(u32::from(LEAST_BLOCK)) as u8;
+        let start = self.free[usize::from(block)].pop().unwrap_or_else(|| {
+            let start = self.slots.len();
+            self.slots.resize(start + (1 << block), NONE);
+            if self.has_wedges {
+                self.wedges.resize(self.slots.len(), 0);
+            }
+            start as u32
+        });
+        (start, block)
+    }
+
+    #[inline(always)]
+    fn write(&mut self, v: u32, start: u32, block: u8, form: Form, ring: &[u32], wedges: &[u32]) {
         let vertex = &mut self.vertices[v as usize];
-        vertex.fan_start = start as u32;
-        vertex.fan_length = length as u32;
-        self.vertices[gone as usize].fan_length = 0;
-    }
-
-    /// Rewrites the pool in vertex order without the dead triangles and the abandoned slices.
-    fn compact(&mut self, extra: usize) {
-        let needed = 3 * self.live_triangle_count + extra;
-        let mut pool = Vec::with_capacity(needed + needed / 2 + 1024);
-        for vertex in &mut self.vertices {
-            let start = pool.len();
-            let old = vertex.fan_start as usize;
-            let slice = &self.pool[old..old + vertex.fan_length as usize];
-            pool.extend(slice.iter().copied().filter(|&t| self.triangles[t as usize][0] != DEAD));
-            vertex.fan_start = start as u32;
-            vertex.fan_length = (pool.len() - start) as u32;
+        (vertex.ring_start, vertex.block) = (start, block);
+        (vertex.ring_length, vertex.form) = (ring.len() as u32, form);
+        let start = start as usize;
+        copy(&mut self.slots[start..start + ring.len()], ring);
+        if self.has_wedges {
+            copy(&mut self.wedges[start..start + ring.len()], wedges);
         }
-        self.pool = pool;
     }
 
-    /// Area vector (twice the area long) of a triangle of `v`'s fan with `v` at `position`.
+    /// In the ring of `v`, every `old` is `new` from now on.
+    #[inline(always)]
+    pub(super) fn rename(&mut self, v: u32, old: u32, new: u32) {
+        let vertex = &self.vertices[v as usize];
+        let start = vertex.ring_start as usize;
+        // The whole block, eight slots at once: where a search would end cannot be predicted, and
+        // what is behind the ring's end does not matter.
+        for slots in self.slots[start..start + (1 << vertex.block)].as_chunks_mut::<8>().0 {
+            for slot in slots {
+                *slot = if *slot == old { new } else { *slot };
+            }
+        }
+    }
+
+    /// The triangle of `v`, `from` and `into` vanishes, and `from` is `into` in the ring of `v`,
+    /// which is not in parts.
+    #[inline(always)]
+    pub(super) fn close_up(&mut self, v: u32, from: u32, into: u32) {
+        let (Some(at_from), Some(at_into)) = (self.slot_of(v, from), self.slot_of(v, into)) else { return };
+        let vertex = &mut self.vertices[v as usize];
+        let (start, length) = (vertex.ring_start as usize, vertex.ring_length as usize);
+        // The slot before the triangle goes: its wedge is the triangle's.
+        let after_from = if at_from + 1 == length { 0 } else { at_from + 1 };
+        let gone = if after_from == at_into {
+            at_from
+        } else {
+            self.slots[start + at_from] = into;
+            at_into
+        };
+        // A chain of one neighbour has no triangle left.
+        vertex.ring_length = if vertex.form == Form::Open && length == 2 { 0 } else { vertex.ring_length - 1 };
+        for i in start + gone + 1..start + length {
+            self.slots[i - 1] = self.slots[i];
+        }
+        if self.has_wedges {
+            self.wedges.copy_within(start + gone + 1..start + length, start + gone);
+        }
+    }
+
+    /// Area vector (twice the area long) of the triangle (position, next, previous).
     #[inline(always)]
     pub(super) fn area_vector(&self, position: Vec3, next: u32, previous: u32) -> Vec3 {
-        let a = self.vertices[next as usize].position - position;
-        let b = self.vertices[previous as usize].position - position;
+        let a = self.vertices[next as usize].position() - position;
+        let b = self.vertices[previous as usize].position() - position;
         a.cross(b)
+    }
+
+    #[inline(always)]
+    pub(super) fn add(&mut self, v: u32, difference: &[Lanes; 3]) {
+        self.vertices[v as usize].packed.add(difference);
+    }
+}
+
+/// A loop, because the runs are short and a call of `memcpy` is not.
+#[inline(always)]
+fn copy(to: &mut [u32], from: &[u32]) {
+    for (to, &from) in to.iter_mut().zip(from) {
+        *to = from;
+    }
+}
+
+/// A ring put together from the triangles at a vertex.
+#[derive(Debug, Default)]
+pub(super) struct RingBuilder {
+    pub(super) ring: Vec<u32>,
+    pub(super) wedges: Vec<u32>,
+    /// Which corner each slot starts; [`NONE`] at the ends of chains.
+    pub(super) order: Vec<u32>,
+    used: Vec<bool>,
+    by_next: Vec<(u32, u32)>,
+    /// For each entry of `by_next`, how many of its run are used up.
+    taken: Vec<u32>,
+    previous: Vec<u32>,
+}
+
+impl RingBuilder {
+    /// Orders `corners`; the result is in `ring`, `wedges` and `order`.
+    #[inline(always)]
+    pub(super) fn build(&mut self, corners: &[Corner]) -> Form {
+        self.ring.clear();
+        self.wedges.clear();
+        self.order.clear();
+        if corners.len() <= 8 && self.build_cycle(corners) {
+            return Form::Closed;
+        }
+        self.ring.clear();
+        self.wedges.clear();
+        self.order.clear();
+        self.build_any(corners)
+    }
+
+    /// The usual case: one cycle in which every corner has just one successor.
+    #[inline(always)]
+    fn build_cycle(&mut self, corners: &[Corner]) -> bool {
+        let mut starts = [NONE; 8];
+        for (start, corner) in starts.iter_mut().zip(corners) {
+            *start = corner.next;
+        }
+        let mut current = 0;
+        for _ in 0..corners.len() {
+            let corner = corners[current];
+            self.push(corner.next, corner.wedge, current as u32);
+            let successors = equal_bits(&starts, corner.previous);
+            if successors.count_ones() != 1 {
+                return false;
+            }
+            current = successors.trailing_zeros() as usize;
+            if current == 0 {
+                break;
+            }
+        }
+        current == 0 && self.ring.len() == corners.len() && corners.len() > 1
+    }
+
+    /// Any soup: chains from every corner that none leads to, then what is left. `O(n log n)`.
+    fn build_any(&mut self, corners: &[Corner]) -> Form {
+        self.used.clear();
+        self.used.resize(corners.len(), false);
+        self.by_next.clear();
+        self.by_next.extend(corners.iter().zip(0..).map(|(c, i)| (c.next, i)));
+        self.by_next.sort_unstable();
+        self.taken.clear();
+        self.taken.resize(corners.len(), 0);
+        self.previous.clear();
+        self.previous.extend(corners.iter().map(|c| c.previous));
+        self.previous.sort_unstable();
+        let mut parts = 0;
+        let mut closed = false;
+        for only_openings in [true, false] {
+            for i in 0..corners.len() {
+                if self.used[i] || (only_openings && self.previous.binary_search(&corners[i].next).is_ok()) {
+                    continue;
+                }
+                if parts > 0 {
+                    self.push(NONE, 0, NONE);
+                }
+                parts += 1;
+                closed = self.follow(corners, i);
+            }
+        }
+        self.by_next.dedup_by_key(|c| c.0);
+        self.previous.dedup();
+        let simple = self.by_next.len() == corners.len() && self.previous.len() == corners.len() && parts == 1;
+        if simple && closed && corners.len() > 1 {
+            self.ring.pop();
+            self.wedges.pop();
+            self.order.pop();
+            return Form::Closed;
+        }
+        if simple { Form::Open } else { Form::Parts }
+    }
+
+    /// One chain from corner `first`; true if it comes back to its beginning.
+    fn follow(&mut self, corners: &[Corner], first: usize) -> bool {
+        let mut current = first;
+        loop {
+            let corner = corners[current];
+            self.used[current] = true;
+            self.push(corner.next, corner.wedge, current as u32);
+            let run = self.by_next.partition_point(|c| c.0 < corner.previous);
+            let mut successor = None;
+            while let Some(&(next, i)) = self.by_next.get(run + self.taken.get(run).map_or(0, |&t| t as usize))
+                && next == corner.previous
+            {
+                if !self.used[i as usize] {
+                    successor = Some(i as usize);
+                    break;
+                }
+                self.taken[run] += 1;
+            }
+            let Some(successor) = successor else {
+                self.push(corner.previous, 0, NONE);
+                return corner.previous == corners[first].next;
+            };
+            current = successor;
+        }
+    }
+
+    fn push(&mut self, neighbour: u32, wedge: u32, corner: u32) {
+        self.ring.push(neighbour);
+        self.wedges.push(wedge);
+        self.order.push(corner);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corners(pairs: &[(u32, u32)]) -> Vec<Corner> {
+        pairs.iter().map(|&(next, previous)| Corner { next, previous, wedge: next + 100 }).collect()
+    }
+
+    fn built(pairs: &[(u32, u32)]) -> (Form, Vec<u32>) {
+        let mut builder = RingBuilder::default();
+        let form = builder.build(&corners(pairs));
+        (form, builder.ring)
+    }
+
+    #[test]
+    fn a_cycle_is_closed_in_the_order_of_its_triangles() {
+        assert_eq!(built(&[(1, 2), (4, 1), (2, 3), (3, 4)]), (Form::Closed, vec![1, 2, 3, 4]));
+    }
+
+    #[test]
+    fn a_gap_makes_a_chain_from_its_far_side() {
+        assert_eq!(built(&[(2, 3), (1, 2), (3, 4)]), (Form::Open, vec![1, 2, 3, 4]));
+        assert_eq!(built(&[(5, 6)]), (Form::Open, vec![5, 6]));
+    }
+
+    #[test]
+    fn two_fans_and_edges_of_three_triangles_come_in_parts() {
+        assert_eq!(built(&[(1, 2), (3, 4)]), (Form::Parts, vec![1, 2, NONE, 3, 4]));
+        let (form, ring) = built(&[(1, 2), (2, 1), (3, 4), (4, 3)]);
+        assert_eq!((form, ring), (Form::Parts, vec![1, 2, 1, NONE, 3, 4, 3]));
+        assert_eq!(built(&[(1, 2), (1, 3), (1, 4)]).0, Form::Parts);
+    }
+
+    #[test]
+    fn corners_of_a_ring_are_those_it_was_built_from() {
+        for pairs in [&[(1, 2), (4, 1), (2, 3), (3, 4)][..], &[(2, 3), (1, 2)], &[(1, 2), (3, 4), (1, 5), (2, 1)]] {
+            let mut expected = corners(pairs);
+            let mut builder = RingBuilder::default();
+            let form = builder.build(&expected);
+            let mut topology = Topology::new([Vec3::ZERO; 1].into_iter(), true, pairs.len());
+            topology.replace_ring(0, form, &builder.ring, &builder.wedges);
+            let mut found = Vec::new();
+            topology.corners(0, &mut found);
+            expected.sort_by_key(|c| (c.next, c.previous));
+            found.sort_by_key(|c| (c.next, c.previous));
+            assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn many_triangles_on_one_edge_take_no_quadratic_time() {
+        let pairs: Vec<(u32, u32)> = (0..200_000).map(|i| (1, i + 2)).chain((0..200_000).map(|i| (i + 2, 1))).collect();
+        assert_eq!(built(&pairs).0, Form::Parts);
     }
 }

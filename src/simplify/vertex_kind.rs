@@ -23,7 +23,7 @@
 //! ¹ only along the border or seam itself: a chord would pinch the surface or the chart. The line
 //! quadrics of the polyline keep "anywhere" near it.
 
-use super::topology::{FanTriangle, Topology};
+use super::topology::{Form, NONE, RingBuilder};
 
 /// See the module.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,9 +51,6 @@ pub(super) enum Freedom {
 /// The neighbours of a border or seam vertex along its polyline.
 pub(super) type Polyline = [u32; 2];
 
-/// No neighbour.
-pub(super) const NONE: u32 = u32::MAX;
-
 /// The table of the module, for the edge between two vertices; `along` says whether the edge is
 /// part of the border or seam.
 #[inline(always)]
@@ -70,78 +67,34 @@ pub(super) fn freedom(first: VertexKind, second: VertexKind, along: impl Fn() ->
     }
 }
 
-/// Finds the kind of every vertex. `is_seam(a, b, v, w)` says whether the edge from `v` to `w`
-/// between the triangles `a` and `b` is a seam edge. Returns the polyline neighbours, empty when
-/// every vertex is Manifold.
+/// The kind of a vertex with the given ring, and its neighbours along its polyline.
+/// `is_seam(i, j, w)` says whether the edge to `w` between the corners `i` and `j` is a seam edge.
 pub(super) fn classify(
-    topology: &mut Topology,
+    form: Form,
+    built: &RingBuilder,
     lock_border: bool,
-    is_seam: impl Fn(u32, u32, u32, u32) -> bool,
-) -> Vec<Polyline> {
-    let count = topology.vertices.len();
-    let mut polylines: Vec<Polyline> = Vec::new();
-    let mut fan: Vec<FanTriangle> = Vec::new();
-    // For the vertex whose turn it is: the fan triangle whose `next` / `previous` is a vertex.
-    let mut leaving = vec![(NONE, 0_u32); count];
-    let mut arriving = vec![NONE; count];
-    for v in 0..count as u32 {
-        topology.walk_fan(v, &mut fan);
-        let mut manifold = true;
-        for (i, t) in fan.iter().enumerate() {
-            let out = &mut leaving[t.next as usize];
-            manifold &= out.0 != v && arriving[t.previous as usize] != v;
-            *out = (v, i as u32);
-            arriving[t.previous as usize] = v;
+    is_seam: impl Fn(u32, u32, u32) -> bool,
+) -> (VertexKind, Polyline) {
+    let (ring, order) = (&built.ring, &built.order);
+    if form == Form::Parts || ring.is_empty() {
+        return (VertexKind::Complex, [NONE; 2]);
+    }
+    let mut seam = [NONE; 2];
+    let mut seam_count = 0;
+    let mut before = if form == Form::Closed { order[order.len() - 1] } else { NONE };
+    for (&neighbour, &after) in ring.iter().zip(order) {
+        if before != NONE && after != NONE && is_seam(before, after, neighbour) {
+            if seam_count < 2 {
+                seam[seam_count] = neighbour;
+            }
+            seam_count += 1;
         }
-        let kind = if manifold {
-            let opening = fan.iter().position(|t| arriving[t.next as usize] != v);
-            let mut special = [NONE; 2];
-            let mut seam_count = 0;
-            let mut current = opening.unwrap_or(0);
-            let mut steps = 0;
-            let mut closing = NONE;
-            while let Some(t) = fan.get(current) {
-                steps += 1;
-                let (stamp, following) = leaving[t.previous as usize];
-                if stamp != v {
-                    closing = t.previous;
-                    break;
-                }
-                if is_seam(t.triangle, fan[following as usize].triangle, v, t.previous) {
-                    if seam_count < 2 {
-                        special[seam_count] = t.previous;
-                    }
-                    seam_count += 1;
-                }
-                current = following as usize;
-                if steps == fan.len() {
-                    break;
-                }
-            }
-            let one_fan = steps == fan.len() && !fan.is_empty() && (opening.is_some() || current == 0);
-            match (one_fan, opening, seam_count) {
-                (true, None, 0) => VertexKind::Manifold,
-                (true, None, 2) => {
-                    set_polyline(&mut polylines, count, v, special);
-                    VertexKind::Seam
-                }
-                (true, Some(first), 0) if !lock_border => {
-                    set_polyline(&mut polylines, count, v, [fan[first].next, closing]);
-                    VertexKind::Border
-                }
-                _ => VertexKind::Complex,
-            }
-        } else {
-            VertexKind::Complex
-        };
-        topology.vertices[v as usize].kind = kind;
+        before = after;
     }
-    polylines
-}
-
-fn set_polyline(polylines: &mut Vec<Polyline>, count: usize, v: u32, ends: Polyline) {
-    if polylines.is_empty() {
-        polylines.resize(count, [NONE; 2]);
+    match (form, seam_count) {
+        (Form::Closed, 0) => (VertexKind::Manifold, [NONE; 2]),
+        (Form::Closed, 2) => (VertexKind::Seam, seam),
+        (Form::Open, 0) if !lock_border => (VertexKind::Border, [ring[0], ring[ring.len() - 1]]),
+        _ => (VertexKind::Complex, [NONE; 2]),
     }
-    polylines[v as usize] = ends;
 }

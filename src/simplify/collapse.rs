@@ -1,0 +1,437 @@
+//! One edge collapse: looked at whole, then refused or done.
+//!
+//! Two vertices with closed rings, which is nearly always the case, are merged by splicing the
+//! rings: every vertex around them is read once and written once. All other pairs go through
+//! lists of triangles, which bear any soup.
+
+use super::lanes::{Lanes, Lanes3, WIDTH};
+use super::legality::{self, Refusal};
+use super::placement::Placement;
+use super::prepare::line_quadric;
+use super::quadric::{Quadric, QuadricLanes, Vec3};
+use super::topology::{Corner, Form, NONE, RingBuilder, Topology};
+use super::vertex_kind::{Polyline, VertexKind};
+use super::{LINE_WEIGHT, Simplifier};
+
+/// Longest merged ring that is spliced in place.
+const CAPACITY: usize = 64;
+
+/// Buffers that live as long as the run, so that the loop allocates nothing.
+#[derive(Debug)]
+pub(super) struct Patch {
+    /// The merged ring, repeated from its beginning for whole lanes.
+    ring: [u32; CAPACITY + WIDTH],
+    /// Positions of the merged ring.
+    around: [Lanes3; CAPACITY / WIDTH + 1],
+    /// By triangle: its quadric after the collapse less that before.
+    differences: [[Lanes; 3]; CAPACITY + WIDTH],
+    wedges: Vec<u32>,
+    /// Wedges `(from, into)` that the last collapse merged.
+    pub(super) merges: Vec<(u32, u32)>,
+    corners_from: Vec<Corner>,
+    corners_into: Vec<Corner>,
+    changes: Vec<Change>,
+    neighbours: Vec<u32>,
+    builder: RingBuilder,
+    marks: Vec<u32>,
+    epoch: u32,
+}
+
+impl Default for Patch {
+    fn default() -> Self {
+        let none = [Lanes::splat(0.0); 3];
+        Self {
+            ring: [0; CAPACITY + WIDTH],
+            around: [Lanes3::splat(Vec3::ZERO); CAPACITY / WIDTH + 1],
+            differences: [none; CAPACITY + WIDTH],
+            wedges: Vec::new(),
+            merges: Vec::new(),
+            corners_from: Vec::new(),
+            corners_into: Vec::new(),
+            changes: Vec::new(),
+            neighbours: Vec::new(),
+            builder: RingBuilder::default(),
+            marks: Vec::new(),
+            epoch: 0,
+        }
+    }
+}
+
+/// A triangle that stays, seen from the end of the edge it belongs to.
+#[derive(Debug, Clone, Copy)]
+struct Change {
+    vertex: u32,
+    corner: Corner,
+    difference: [Lanes; 3],
+}
+
+impl Simplifier {
+    /// Collapses the edge if it is legal: `from` vanishes, `into` moves to the placement.
+    #[inline(always)]
+    pub(super) fn try_collapse(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
+        let (a, b) = (&self.topology.vertices[from as usize], &self.topology.vertices[into as usize]);
+        if !self.polylines.is_empty() && !polyline_stays_open(&self.polylines, &self.topology, from, into) {
+            return Err(Refusal::Topology);
+        }
+        let weight = a.quadric().trace() + b.quadric().trace();
+        let step = if weight > 0.0 { placement.cost / weight } else { 0.0 };
+        let error_squared = if a.error_squared > b.error_squared { a.error_squared } else { b.error_squared } + step;
+        if error_squared > self.max_error_squared {
+            return Err(Refusal::Error);
+        }
+        let spliced =
+            a.form() == Form::Closed && b.form() == Form::Closed && a.ring_length() + b.ring_length() <= CAPACITY;
+        let (old_from, old_into) = (a.position(), b.position());
+        let quadric =
+            if spliced { self.splice(from, into, placement)? } else { self.merge_any(from, into, placement)? };
+        let vertex = &mut self.topology.vertices[into as usize];
+        vertex.moved |= old_into != placement.position;
+        vertex.packed.set_quadric(&quadric);
+        vertex.packed.set_position(placement.position);
+        vertex.error_squared = error_squared;
+        if !self.polylines.is_empty() {
+            self.update_polylines(from, into, old_from, old_into);
+        }
+        Ok(())
+    }
+
+    /// Merges two closed rings. Returns the quadric of the merged vertex.
+    #[inline(always)]
+    fn splice(&mut self, from: u32, into: u32, placement: Placement) -> Result<Quadric, Refusal> {
+        let Self { topology, patch, .. } = self;
+        let (Some(i), Some(j)) = (topology.slot_of(into, from), topology.slot_of(from, into)) else {
+            return Err(Refusal::Topology);
+        };
+        let (ring_from, ring_into) = (topology.ring(from), topology.ring(into));
+        if ring_from.len() < 3 || ring_into.len() < 3 || ring_from.len() + ring_into.len() < 7 {
+            return Err(Refusal::Topology);
+        }
+        // Triangles of `from` first: (a, …, b), then those of `into`: (b, …, a).
+        let split = ring_from.len() - 2;
+        let length = split + ring_into.len() - 2;
+        splice_slots(ring_from, j, ring_into, i, &mut patch.ring);
+        let ring = &mut patch.ring;
+        for k in 0..WIDTH {
+            ring[length + k] = ring[k];
+        }
+        // The link condition: the two ends see just `a` and `b` together.
+        let mut common = ring[0] == ring[split];
+        for &x in &ring[1..split] {
+            for &y in &ring[split + 1..length] {
+                common |= x == y;
+            }
+        }
+        if common {
+            return Err(Refusal::Topology);
+        }
+        let (at_from, at_into) =
+            (topology.vertices[from as usize].position(), topology.vertices[into as usize].position());
+        let quadric = patch.look(topology, (at_from, at_into), split, length, placement.position)?;
+
+        // From here on the collapse is done.
+        let (a, b) = (patch.ring[0], patch.ring[split]);
+        let removed = removed_planes(
+            &topology.vertices[a as usize].position(),
+            &topology.vertices[b as usize].position(),
+            at_from,
+            at_into,
+        );
+        patch.merges.clear();
+        if topology.has_wedges() {
+            patch.splice_wedges(topology, (from, j), (into, i));
+        }
+        let mut before = patch.differences[length - 1];
+        for (&v, &after) in patch.ring[..length].iter().zip(&patch.differences) {
+            topology.add(v, &[before[0] + after[0], before[1] + after[1], before[2] + after[2]]);
+            before = after;
+        }
+        topology.add(a, &removed[0]);
+        topology.add(b, &removed[1]);
+        for &v in &patch.ring[1..split] {
+            topology.rename(v, from, into);
+        }
+        close_up(topology, &mut patch.builder, &mut patch.corners_from, a, from, into);
+        close_up(topology, &mut patch.builder, &mut patch.corners_from, b, from, into);
+        let ring = &patch.ring[..length];
+        topology.set_ring(into, from, Form::Closed, ring, &patch.wedges);
+        topology.live_triangle_count -= 2;
+        self.record.rank(from, into, ring, placement.cost);
+        Ok(quadric)
+    }
+
+    /// Merges any two vertices that share a triangle.
+    #[inline(never)]
+    fn merge_any(&mut self, from: u32, into: u32, placement: Placement) -> Result<Quadric, Refusal> {
+        let Self { topology, patch, .. } = self;
+        let Patch { corners_from, corners_into, changes, neighbours, builder, marks, epoch, merges, wedges, .. } =
+            &mut **patch;
+        corners_from.clear();
+        corners_into.clear();
+        topology.corners(from, corners_from);
+        topology.corners(into, corners_into);
+        marks.resize(topology.vertices.len(), 0);
+        legality::check_link(marks, epoch, (from, corners_from), (into, corners_into))?;
+        changes.clear();
+        for (v, other, corners) in [(from, into, &*corners_from), (into, from, &*corners_into)] {
+            for &corner in corners.iter().filter(|c| c.next != other && c.previous != other) {
+                changes.push(Change { vertex: v, corner, difference: [Lanes::splat(0.0); 3] });
+            }
+        }
+        let quadric = look_any(topology, changes, placement.position)?;
+
+        // From here on the collapse is done.
+        let at_from = topology.vertices[from as usize].position();
+        let mut gone = 0;
+        merges.clear();
+        for c in corners_from.iter().filter(|c| c.next == into || c.previous == into) {
+            let third = if c.next == into { c.previous } else { c.next };
+            let plane = Quadric::of_triangle(topology.area_vector(at_from, c.next, c.previous));
+            topology.add(third, &(Quadric::default() - plane).packed());
+            gone += 1;
+            let same = |o: &&Corner| {
+                let shared = o.next == from || o.previous == from;
+                shared && (o.next == third || o.previous == third)
+            };
+            if let Some(o) = corners_into.iter().find(same)
+                && o.wedge != c.wedge
+                && merges.iter().all(|m| m.0 != c.wedge)
+            {
+                merges.push((c.wedge, o.wedge));
+            }
+        }
+        neighbours.clear();
+        for change in changes.iter_mut() {
+            topology.add(change.corner.next, &change.difference);
+            topology.add(change.corner.previous, &change.difference);
+            neighbours.extend([change.corner.next, change.corner.previous]);
+            if let Some(merge) = merges.iter().find(|m| m.0 == change.corner.wedge && change.vertex == from) {
+                change.corner.wedge = merge.1;
+            }
+        }
+        neighbours.extend(corners_from.iter().flat_map(|c| [c.next, c.previous]));
+        neighbours.sort_unstable();
+        neighbours.dedup();
+        neighbours.retain(|&v| v != into && v != from);
+        let mut third = std::mem::take(wedges);
+        third.clear();
+        third.extend(
+            corners_from
+                .iter()
+                .filter(|c| c.next == into || c.previous == into)
+                .map(|c| if c.next == into { c.previous } else { c.next }),
+        );
+        for &v in neighbours.iter() {
+            if third.contains(&v) {
+                close_up(topology, builder, corners_into, v, from, into);
+            } else {
+                topology.rename(v, from, into);
+            }
+        }
+        *wedges = third;
+        corners_into.clear();
+        corners_into.extend(changes.iter().map(|c| c.corner));
+        let form = builder.build(corners_into);
+        topology.set_ring(into, from, form, &builder.ring, &builder.wedges);
+        topology.live_triangle_count -= gone;
+        self.record.rank(from, into, neighbours, placement.cost);
+        Ok(quadric)
+    }
+
+    /// Takes `from` out of its polyline and moves the line quadrics of the neighbours along.
+    fn update_polylines(&mut self, from: u32, into: u32, old_from: Vec3, old_into: Vec3) {
+        let kind_of = |s: &Self, v: u32| s.topology.vertices[v as usize].kind;
+        let now = self.topology.vertices[into as usize].position();
+        if has_lines(kind_of(self, from)) {
+            let ends = self.polylines[from as usize];
+            let beyond = if ends[0] == into { ends[1] } else { ends[0] };
+            for (v, old, new) in [(into, from, beyond), (beyond, from, into)] {
+                if has_lines(kind_of(self, v)) {
+                    for end in &mut self.polylines[v as usize] {
+                        if *end == old {
+                            *end = new;
+                        }
+                    }
+                }
+            }
+            self.move_line(beyond, old_from, now);
+            if has_lines(kind_of(self, into)) {
+                for w in self.polylines[into as usize] {
+                    if w != beyond {
+                        self.move_line(w, old_into, now);
+                    }
+                }
+            }
+        }
+        let lines = line_quadric(&self.topology, &self.polylines, into).packed();
+        self.topology.add(into, &lines);
+    }
+
+    /// The polyline neighbour of border or seam vertex `v` moved from `old` to `new`.
+    fn move_line(&mut self, v: u32, old: Vec3, new: Vec3) {
+        let vertex = &self.topology.vertices[v as usize];
+        if has_lines(vertex.kind) {
+            let at = vertex.position();
+            let change = Quadric::of_line(new - at, LINE_WEIGHT) - Quadric::of_line(old - at, LINE_WEIGHT);
+            self.topology.add(v, &change.packed());
+        }
+    }
+}
+
+impl Patch {
+    /// Tests every triangle that stays, and notes the change of its quadric; four at a time.
+    /// Returns the quadric of the merged vertex.
+    #[inline(always)]
+    fn look(
+        &mut self,
+        topology: &Topology,
+        (at_from, at_into): (Vec3, Vec3),
+        split: usize,
+        length: usize,
+        merged: Vec3,
+    ) -> Result<Quadric, Refusal> {
+        let batches = length.div_ceil(WIDTH);
+        let indices = self.ring.as_chunks::<WIDTH>().0;
+        for (at, four) in self.around.iter_mut().zip(&indices[..batches]) {
+            let [x, y, z, _] = Lanes::transpose(four.map(|v| topology.vertices[v as usize].packed.0[0]));
+            *at = Lanes3 { x, y, z };
+        }
+        // The last batch is followed by the first vertex, in its next lane or in another batch.
+        self.around[batches] = self.around[0];
+        let (at_from, at_into, merged) = (Lanes3::splat(at_from), Lanes3::splat(at_into), Lanes3::splat(merged));
+        let (last_from, last) = (Lanes::splat(split as f32 - 0.5), Lanes::splat(length as f32 - 0.5));
+        let mut sum = QuadricLanes::zero();
+        let mut index = Lanes::new(Lanes::INDEX);
+        for (pair, differences) in self.around[..=batches].windows(2).zip(self.differences.as_chunks_mut::<WIDTH>().0) {
+            let (a, b) = (pair[0], pair[0].followed_by(pair[1]));
+            let origin = Lanes3::select(index.at_most(last_from), at_from, at_into);
+            let old = (a - origin).cross(b - origin);
+            let (p, q, opposite) = (a - merged, b - merged, b - a);
+            let new = p.cross(q);
+            let longest = p.dot(p).max(q.dot(q)).max(opposite.dot(opposite));
+            let counts = index.at_most(last);
+            if !(legality::keep_upright(old, new, longest) | !counts).all() {
+                return Err(Refusal::Flip);
+            }
+            let after = QuadricLanes::of_triangles(new);
+            *differences = after.minus(&QuadricLanes::of_triangles(old)).packed();
+            sum.add_masked(&after, counts);
+            index = index + Lanes::splat(WIDTH as f32);
+        }
+        Ok(sum.sum())
+    }
+
+    /// The wedges of the merged ring, and which wedges merge.
+    fn splice_wedges(&mut self, topology: &Topology, (from, j): (u32, usize), (into, i): (u32, usize)) {
+        let (own, other) = (topology.ring_wedges(into), topology.ring_wedges(from));
+        let before = |at: usize, length: usize| if at == 0 { length - 1 } else { at - 1 };
+        for (wedge_from, wedge_into) in [(other[j], own[before(i, own.len())]), (other[before(j, other.len())], own[i])]
+        {
+            if wedge_from != wedge_into && self.merges.iter().all(|m| m.0 != wedge_from) {
+                self.merges.push((wedge_from, wedge_into));
+            }
+        }
+        let split = other.len() - 2;
+        self.wedges.clear();
+        self.wedges.resize(split + own.len() - 2, 0);
+        splice_slots(other, j, own, i, &mut self.wedges);
+        for wedge in &mut self.wedges[..split] {
+            if let Some(merge) = self.merges.iter().find(|m| m.0 == *wedge) {
+                *wedge = merge.1;
+            }
+        }
+    }
+}
+
+/// The slots of `from` after slot `j` without the last, then those of `into` after slot `i`
+/// without the last, both going around.
+#[inline(always)]
+fn splice_slots(from: &[u32], j: usize, into: &[u32], i: usize, out: &mut [u32]) {
+    let mut at = 0;
+    for (slots, first) in [(from, j), (into, i)] {
+        let mut slot = first;
+        for _ in 0..slots.len() - 2 {
+            slot = if slot + 1 == slots.len() { 0 } else { slot + 1 };
+            out[at] = slots[slot];
+            at += 1;
+        }
+    }
+}
+
+/// Minus the planes of the two triangles at the edge, for their third vertices.
+#[inline(always)]
+fn removed_planes(a: &Vec3, b: &Vec3, from: Vec3, into: Vec3) -> [[Lanes; 3]; 2] {
+    let edge = from - into;
+    // The plane's matrix does not know the sense of the area vector, but g does.
+    let plane = |n: Vec3| (Quadric::default() - Quadric::of_triangle(n)).packed();
+    [plane((*a - into).cross(edge)), plane(edge.cross(*b - into))]
+}
+
+/// In the ring of `v` the triangle with `from` and `into` vanishes, and `from` becomes `into`.
+#[inline(always)]
+fn close_up(
+    topology: &mut Topology,
+    builder: &mut RingBuilder,
+    corners: &mut Vec<Corner>,
+    v: u32,
+    from: u32,
+    into: u32,
+) {
+    if topology.vertices[v as usize].form() != Form::Parts {
+        topology.close_up(v, from, into);
+        return;
+    }
+    corners.clear();
+    topology.corners(v, corners);
+    corners.retain(|c| !((c.next == from && c.previous == into) || (c.next == into && c.previous == from)));
+    for c in corners.iter_mut() {
+        c.next = if c.next == from { into } else { c.next };
+        c.previous = if c.previous == from { into } else { c.previous };
+    }
+    let form = builder.build(corners);
+    topology.replace_ring(v, form, &builder.ring, &builder.wedges);
+}
+
+/// As [`Patch::look`], for triangles in any order.
+fn look_any(topology: &Topology, changes: &mut [Change], position: Vec3) -> Result<Quadric, Refusal> {
+    let mut sum = QuadricLanes::zero();
+    let at = |v: u32| topology.vertices[v as usize].position();
+    let merged = Lanes3::splat(position);
+    for four in changes.chunks_mut(WIDTH) {
+        let lane: [&Change; WIDTH] = std::array::from_fn(|k| &four[if k < four.len() { k } else { 0 }]);
+        let origin = Lanes3::gather(lane.map(|c| at(c.vertex)));
+        let (a, b) =
+            (Lanes3::gather(lane.map(|c| at(c.corner.next))), Lanes3::gather(lane.map(|c| at(c.corner.previous))));
+        let old = (a - origin).cross(b - origin);
+        let (p, q, opposite) = (a - merged, b - merged, b - a);
+        let new = p.cross(q);
+        let longest = p.dot(p).max(q.dot(q)).max(opposite.dot(opposite));
+        if !legality::keep_upright(old, new, longest).all() {
+            return Err(Refusal::Flip);
+        }
+        let after = QuadricLanes::of_triangles(new);
+        let difference = after.minus(&QuadricLanes::of_triangles(old));
+        sum.add_masked(&after, Lanes::new(Lanes::INDEX).at_most(Lanes::splat(four.len() as f32 - 0.5)));
+        for (change, difference) in four.iter_mut().zip(difference.packed()) {
+            change.difference = difference;
+        }
+    }
+    Ok(sum.sum())
+}
+
+fn has_lines(kind: VertexKind) -> bool {
+    matches!(kind, VertexKind::Border | VertexKind::Seam)
+}
+
+/// False if the collapse would close a border or seam loop onto itself.
+fn polyline_stays_open(polylines: &[Polyline], topology: &Topology, from: u32, into: u32) -> bool {
+    let lines = |v: u32| has_lines(topology.vertices[v as usize].kind);
+    if !lines(from) {
+        return true;
+    }
+    let ends = polylines[from as usize];
+    if !ends.contains(&into) {
+        return false;
+    }
+    let beyond = if ends[0] == into { ends[1] } else { ends[0] };
+    beyond != into && beyond != NONE && (!lines(into) || !polylines[into as usize].contains(&beyond))
+}

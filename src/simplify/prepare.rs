@@ -1,0 +1,297 @@
+//! Preparation of a run: from the mesh as it is stored to vertices with rings, kinds and quadrics.
+//!
+//! All of it is linear, and in the order of the Morton curve wherever memory allows.
+
+use std::ops::Range;
+
+use super::LINE_WEIGHT;
+use super::lanes::{Lanes, Lanes3, WIDTH};
+use super::quadric::{Quadric, QuadricLanes, Vec3, smaller};
+use super::space::Space;
+use super::topology::{Corner, Form, NONE, RingBuilder, Topology};
+use super::vertex_kind::{self, Polyline, VertexKind};
+use crate::mesh::Mesh;
+use crate::mesh::chart;
+use crate::mesh::weld::{self, NO_VERTEX, Weld};
+
+/// What is needed while a run is prepared and no longer.
+#[derive(Debug, Default)]
+pub(super) struct Preparation {
+    weld: Weld,
+    /// Vertices of each triangle that has three, by lowest vertex.
+    triangles: Vec<[u32; 3]>,
+    /// Their wedges; empty when every vertex has one wedge.
+    wedges: Vec<[u32; 3]>,
+    /// Their groups; empty when there is one.
+    groups: Vec<u32>,
+    /// Chart of each wedge; empty as `wedges`.
+    charts: Vec<u32>,
+    /// Triangles at each vertex: `fans[starts[v]..starts[v + 1]]`.
+    fans: Vec<u32>,
+    starts: Vec<u32>,
+    corners: Vec<Corner>,
+    ring: RingBuilder,
+}
+
+/// What the weld finds that a run keeps.
+pub(super) struct Welded {
+    pub(super) spaces: Vec<Space>,
+    pub(super) part_of_vertex: Vec<u16>,
+    pub(super) wedge_of_vertex: Vec<u32>,
+    /// The vertex of each wedge, named by its wedge; [`NO_VERTEX`] where unused.
+    pub(super) vertex_of_wedge: Vec<u32>,
+}
+
+impl Preparation {
+    /// Finds the vertices and the space of each part.
+    pub(super) fn weld(&mut self, mesh: &Mesh) -> Welded {
+        self.weld = weld::weld(mesh);
+        let weld = &self.weld;
+        let mut part_of_wedge = vec![0_u16; if mesh.parts.len() > 1 { mesh.positions.len() } else { 0 }];
+        if !part_of_wedge.is_empty() {
+            for set in &mesh.wedge_sets {
+                part_of_wedge[set.wedges.clone()].fill(set.part as u16);
+            }
+        }
+        let part_of = |w: u32| part_of_wedge.get(w as usize).copied().unwrap_or(0);
+        let diagonal = mesh.diagonal_of(weld.wedge_of_vertex.iter().map(|&w| (w, part_of(w).into())));
+        Welded {
+            spaces: Space::of_parts(mesh, if diagonal > 0.0 { diagonal } else { 1.0 }),
+            part_of_vertex: weld.wedge_of_vertex.iter().map(|&w| part_of(w)).collect(),
+            wedge_of_vertex: weld.wedge_of_vertex.clone(),
+            vertex_of_wedge: weld
+                .vertex_of_wedge
+                .iter()
+                .map(|&v| if v == NO_VERTEX { NO_VERTEX } else { weld.wedge_of_vertex[v as usize] })
+                .collect(),
+        }
+    }
+
+    /// Triangles in the order of their lowest vertex, for the same locality as the vertices.
+    pub(super) fn order_triangles(&mut self, mesh: &Mesh, vertex_of_wedge: &[u32]) {
+        let weld = &self.weld;
+        let vertex = |w: u32| weld.vertex_of_wedge[w as usize];
+        let proper = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(vertex);
+            a != b && b != c && c != a
+        };
+        let lowest = |t: &[u32; 3]| t.map(vertex).into_iter().min().unwrap_or(0) as usize;
+        let mut starts = vec![0_u32; weld.wedge_of_vertex.len() + 1];
+        for t in mesh.triangles.iter().filter(|t| proper(t)) {
+            starts[lowest(t) + 1] += 1;
+        }
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        let count = starts.last().copied().unwrap_or(0) as usize;
+        let several_wedges =
+            weld.wedge_of_vertex.len() < weld.vertex_of_wedge.iter().filter(|&&v| v != NO_VERTEX).count();
+        let several_groups = mesh.groups.len() > 1;
+        let mut triangles = vec![[0; 3]; count];
+        if several_wedges {
+            self.wedges = vec![[0; 3]; count];
+        }
+        if several_groups {
+            self.groups = vec![0; count];
+        }
+        for (g, group) in mesh.groups.iter().enumerate() {
+            for t in mesh.triangles[group.triangles.clone()].iter().filter(|t| proper(t)) {
+                let start = &mut starts[lowest(t)];
+                let slot = *start as usize;
+                *start += 1;
+                triangles[slot] = t.map(vertex);
+                if several_wedges {
+                    self.wedges[slot] = *t;
+                }
+                if several_groups {
+                    self.groups[slot] = g as u32;
+                }
+            }
+        }
+        self.triangles = triangles;
+        self.weld = Weld::default();
+        self.starts = starts;
+        if several_wedges {
+            self.charts = chart::charts(mesh, vertex_of_wedge);
+        }
+    }
+
+    /// The triangles at each vertex: counted, summed, filled.
+    pub(super) fn build_fans(&mut self) {
+        let starts = &mut self.starts;
+        starts.fill(0);
+        for &v in self.triangles.as_flattened() {
+            starts[v as usize + 1] += 1;
+        }
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        self.fans = vec![0; 3 * self.triangles.len()];
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            for &v in triangle {
+                let start = &mut starts[v as usize];
+                self.fans[*start as usize] = t as u32;
+                *start += 1;
+            }
+        }
+        // Every start has moved to the next one's place.
+        for i in (1..starts.len()).rev() {
+            starts[i] = starts[i - 1];
+        }
+        if let Some(first) = starts.first_mut() {
+            *first = 0;
+        }
+    }
+
+    /// Vertices at these positions, without rings yet.
+    pub(super) fn topology(&self, positions: impl ExactSizeIterator<Item = Vec3>) -> Topology {
+        Topology::new(positions, !self.wedges.is_empty(), self.triangles.len())
+    }
+
+    pub(super) fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Rings, kinds, quadrics and first keys of the vertices in the range.
+    pub(super) fn build_rings(
+        &mut self,
+        range: Range<usize>,
+        topology: &mut Topology,
+        polylines: &mut Vec<Polyline>,
+        keys: &mut [f32],
+        lock_border: bool,
+    ) {
+        let Self { triangles, wedges, groups, charts, fans, starts, corners, ring, .. } = self;
+        let chart_at = |t: u32, v: u32| {
+            let corner = triangles[t as usize].iter().position(|&x| x == v).unwrap_or(0);
+            charts[wedges[t as usize][corner] as usize]
+        };
+        for v in range {
+            let fan = &fans[starts[v] as usize..starts[v + 1] as usize];
+            let v = v as u32;
+            corners.clear();
+            for &t in fan {
+                let [a, b, c] = triangles[t as usize];
+                let (corner, next, previous) = if a == v {
+                    (0, b, c)
+                } else if b == v {
+                    (1, c, a)
+                } else {
+                    (2, a, b)
+                };
+                let wedge = wedges.get(t as usize).map_or(0, |w| w[corner]);
+                corners.push(Corner { next, previous, wedge });
+            }
+            let form = ring.build(corners);
+            topology.replace_ring(v, form, &ring.ring, &ring.wedges);
+            let (kind, polyline) = vertex_kind::classify(form, ring, lock_border, |i, j, w| {
+                let (a, b) = (fan[i as usize], fan[j as usize]);
+                (!groups.is_empty() && groups[a as usize] != groups[b as usize])
+                    || (!wedges.is_empty() && (chart_at(a, v) != chart_at(b, v) || chart_at(a, w) != chart_at(b, w)))
+            });
+            topology.vertices[v as usize].kind = kind;
+            let own = topology.vertices[v as usize].position();
+            let around = if ring.ring.len() <= NEAR { Some(Around::of(topology, own, &ring.ring)) } else { None };
+            let mut quadric = if let (Form::Closed, Some(around)) = (form, &around) {
+                around.planes()
+            } else {
+                let plane = |c: &Corner| Quadric::of_triangle(topology.area_vector(own, c.next, c.previous));
+                corners.iter().map(plane).fold(Quadric::default(), |sum, plane| sum + plane)
+            };
+            if matches!(kind, VertexKind::Border | VertexKind::Seam) {
+                if polylines.is_empty() {
+                    polylines.resize(topology.vertices.len(), [NONE; 2]);
+                }
+                polylines[v as usize] = polyline;
+                quadric += line_quadric(topology, polylines, v);
+            }
+            topology.vertices[v as usize].packed.set_quadric(&quadric);
+            // First keys: the cost of merging at the better end, which bounds the solved cost from
+            // above. Nothing is solved, and the error is as with solved keys: the first visit
+            // solves, and the thresholds are coarse.
+            let mut spread = |w: u32, cost: f32| {
+                for end in [v, w] {
+                    // The other direction of the edge is for the turn of `w`.
+                    let key = &mut keys[end as usize];
+                    *key = smaller(*key, cost);
+                }
+            };
+            if let (true, Some(around)) = (form != Form::Parts, &around) {
+                around.costs(&quadric, &ring.ring, spread);
+            } else {
+                for &w in ring.ring.iter().filter(|&&w| w != NONE) {
+                    spread(w, quadric.error_at(topology.vertices[w as usize].position() - own));
+                }
+            }
+        }
+    }
+}
+
+/// Longest ring that is prepared four neighbours at a time.
+const NEAR: usize = 12;
+
+/// The neighbours of a vertex relative to it, in the order of its ring, which then starts again.
+struct Around {
+    offsets: [Lanes3; NEAR / WIDTH + 1],
+    length: usize,
+}
+
+impl Around {
+    #[inline(always)]
+    fn of(topology: &Topology, own: Vec3, ring: &[u32]) -> Self {
+        let mut padded = [0; NEAR + WIDTH];
+        for (slot, &w) in padded.iter_mut().zip(ring) {
+            *slot = if w == NONE { 0 } else { w };
+        }
+        for k in 0..WIDTH {
+            padded[ring.len() + k] = padded[k];
+        }
+        let own = Lanes3::splat(own);
+        let mut offsets = [own; NEAR / WIDTH + 1];
+        let batches = ring.len() / WIDTH + 1;
+        for (offsets, four) in offsets[..batches].iter_mut().zip(padded.as_chunks::<WIDTH>().0) {
+            let [x, y, z, _] = Lanes::transpose(four.map(|w| topology.vertices[w as usize].packed.0[0]));
+            *offsets = Lanes3 { x, y, z } - own;
+        }
+        Self { offsets, length: ring.len() }
+    }
+
+    /// The quadric of the triangles between the vertex and a closed ring.
+    #[inline(always)]
+    fn planes(&self) -> Quadric {
+        let last = Lanes::splat(self.length as f32 - 0.5);
+        let mut index = Lanes::new(Lanes::INDEX);
+        let mut sum = QuadricLanes::zero();
+        for pair in self.offsets.windows(2).take(self.length.div_ceil(WIDTH)) {
+            let planes = QuadricLanes::of_triangles(pair[0].cross(pair[0].followed_by(pair[1])));
+            sum.add_masked(&planes, index.at_most(last));
+            index = index + Lanes::splat(WIDTH as f32);
+        }
+        sum.sum()
+    }
+
+    /// Calls `found` for each neighbour with the error of the quadric there.
+    #[inline(always)]
+    fn costs(&self, quadric: &Quadric, ring: &[u32], mut found: impl FnMut(u32, f32)) {
+        let quadric = QuadricLanes::splat(quadric);
+        for (&d, four) in self.offsets.iter().zip(ring.chunks(WIDTH)) {
+            let costs = d.dot(quadric.apply(d)).max(Lanes::splat(0.0)).to_array();
+            for (&w, cost) in four.iter().zip(costs) {
+                found(w, cost);
+            }
+        }
+    }
+}
+
+/// The quadric of the two polyline edges of a border or seam vertex, 0 for others.
+pub(super) fn line_quadric(topology: &Topology, polylines: &[Polyline], v: u32) -> Quadric {
+    let vertex = &topology.vertices[v as usize];
+    let mut sum = Quadric::default();
+    if matches!(vertex.kind, VertexKind::Border | VertexKind::Seam) {
+        for w in polylines[v as usize] {
+            let edge = topology.vertices[w as usize].position() - vertex.position();
+            sum += Quadric::of_line(edge, LINE_WEIGHT);
+        }
+    }
+    sum
+}
