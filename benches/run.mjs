@@ -1,8 +1,8 @@
 // `npm run bench`: quality, speed, memory and history, side by side with other simplifiers.
 //
-//     npm run bench                              everything; about half an hour the first time
+//     npm run bench                              everything; ten minutes on two cores, more with MeshLab's first run
 //     npm run bench -- --quick                   a small share of each, a minute or two
-//     npm run bench -- quality speed             only these
+//     npm run bench -- quality speed             only these; known: quality speed memory history levels
 //     npm run bench -- --json FILE               also writes all figures there
 //
 // Deviations come from an independent meter if there is one: MESHDIST names it, or it stands in ../shared/tools.
