@@ -1,11 +1,21 @@
 // The bench models: OBJ text in gzip, read to bare arrays.
 import { existsSync, readFileSync } from 'node:fs';
 import { gunzipSync } from 'node:zlib';
+import { subdivide } from './subdivide.mjs';
 
 /** Where the models are; they are too large to live in the repository. */
 export const folder = new URL('../../../shared/assets/bench/', import.meta.url);
 
 export const available = existsSync(folder);
+
+/** The models that the figures of quality are asked on. */
+export const sixModels = ['stanford-bunny', 'igea', 'nefertiti', 'fandisk', 'rocker-arm', 'beast'];
+
+/** A model by name, or as `NAME*4`, `NAME*16`, `NAME*64` that many times as many triangles, with a little noise. */
+export function benchModel(name) {
+  const [base, times = '1'] = name.split('*');
+  return subdivide(loadModel(base), Math.log2(Number(times)) / 2);
+}
 
 /** Positions and indices of one model by its base name, e.g. `stanford-bunny`. */
 export function loadModel(name) {

@@ -3,6 +3,9 @@
 #![allow(dead_code, reason = "each test binary uses its share")]
 #![allow(unreachable_pub, clippy::panic, clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
+pub mod surfaces;
+pub mod validity;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use decimesh::collapse_sequence::CollapseSequence;
