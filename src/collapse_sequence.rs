@@ -54,4 +54,7 @@ pub struct CollapseSequence {
     pub initial_triangle_count: usize,
     /// Why the run ended.
     pub stop_reason: StopReason,
+    /// Positions at the last level of vertices that were fitted to the original after the last
+    /// collapse, named as in [`Collapse`]; often empty.
+    pub fitted: Vec<(u32, [f32; 3])>,
 }

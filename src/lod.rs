@@ -71,6 +71,11 @@ pub fn extract(mesh: &Mesh, sequence: &CollapseSequence, level: Level) -> LevelM
         positions[collapse.into as usize] = collapse.position;
         vertex_parent[collapse.from as usize] = collapse.into;
     }
+    if count == sequence.collapses.len() {
+        for &(vertex, position) in &sequence.fitted {
+            positions[vertex as usize] = position;
+        }
+    }
     resolve(&mut vertex_parent);
     resolve(&mut wedge_parent);
 

@@ -32,7 +32,7 @@ pub(super) struct Patch {
     corners_into: Vec<Corner>,
     changes: Vec<Change>,
     neighbours: Vec<u32>,
-    builder: RingBuilder,
+    pub(super) builder: RingBuilder,
     marks: Vec<u32>,
     epoch: u32,
 }
@@ -69,6 +69,13 @@ impl Simplifier {
     /// Collapses the edge if it is legal: `from` vanishes, `into` moves to the placement.
     #[inline(always)]
     pub(super) fn try_collapse(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
+        let length = |v: u32| self.topology.vertices[v as usize].ring_length();
+        if length(from) + length(into) > legality::MAX_FAN {
+            return Err(Refusal::Topology);
+        }
+        for v in [from, into] {
+            self.topology.refresh(v, &mut self.patch.builder);
+        }
         let (a, b) = (&self.topology.vertices[from as usize], &self.topology.vertices[into as usize]);
         if !self.polylines.is_empty() && !polyline_stays_open(&self.polylines, &self.topology, from, into) {
             return Err(Refusal::Topology);
@@ -150,8 +157,8 @@ impl Simplifier {
         for &v in &patch.ring[1..split] {
             topology.rename(v, from, into);
         }
-        close_up(topology, &mut patch.builder, &mut patch.corners_from, a, from, into);
-        close_up(topology, &mut patch.builder, &mut patch.corners_from, b, from, into);
+        topology.close_up(a, from, into, &mut patch.builder);
+        topology.close_up(b, from, into, &mut patch.builder);
         let ring = &patch.ring[..length];
         topology.set_ring(into, from, Form::Closed, ring, &patch.wedges);
         topology.live_triangle_count -= 2;
@@ -222,7 +229,7 @@ impl Simplifier {
         );
         for &v in neighbours.iter() {
             if third.contains(&v) {
-                close_up(topology, builder, corners_into, v, from, into);
+                topology.close_up(v, from, into, builder);
             } else {
                 topology.rename(v, from, into);
             }
@@ -364,31 +371,6 @@ fn removed_planes(a: &Vec3, b: &Vec3, from: Vec3, into: Vec3) -> [[Lanes; 3]; 2]
     // The plane's matrix does not know the sense of the area vector, but g does.
     let plane = |n: Vec3| (Quadric::default() - Quadric::of_triangle(n)).packed();
     [plane((*a - into).cross(edge)), plane(edge.cross(*b - into))]
-}
-
-/// In the ring of `v` the triangle with `from` and `into` vanishes, and `from` becomes `into`.
-#[inline(always)]
-fn close_up(
-    topology: &mut Topology,
-    builder: &mut RingBuilder,
-    corners: &mut Vec<Corner>,
-    v: u32,
-    from: u32,
-    into: u32,
-) {
-    if topology.vertices[v as usize].form() != Form::Parts {
-        topology.close_up(v, from, into);
-        return;
-    }
-    corners.clear();
-    topology.corners(v, corners);
-    corners.retain(|c| !((c.next == from && c.previous == into) || (c.next == into && c.previous == from)));
-    for c in corners.iter_mut() {
-        c.next = if c.next == from { into } else { c.next };
-        c.previous = if c.previous == from { into } else { c.previous };
-    }
-    let form = builder.build(corners);
-    topology.replace_ring(v, form, &builder.ring, &builder.wedges);
 }
 
 /// As [`Patch::look`], for triangles in any order.

@@ -128,7 +128,10 @@ impl Edges {
 #[inline(always)]
 fn solve(topology: &Topology, v: u32, neighbours: &[u32], edges: &mut Edges) {
     let own = &topology.vertices[v as usize];
+    // The lines of borders and seams have no area vectors; among them nothing is a tip.
+    let planes = own.kind == VertexKind::Manifold;
     let a = QuadricLanes::splat(&own.quadric());
+    let a = if planes { placement::stiffened(&a) } else { a };
     let u = Lanes3::splat(own.position());
     edges.neighbours.extend_from_slice(neighbours);
     edges.freedoms.resize(edges.neighbours.len(), Freedom::Anywhere);
@@ -136,6 +139,7 @@ fn solve(topology: &Topology, v: u32, neighbours: &[u32], edges: &mut Edges) {
         let others: [&Packed; WIDTH] =
             std::array::from_fn(|k| &topology.vertices[four[if k < four.len() { k } else { 0 }] as usize].packed);
         let (v, b) = QuadricLanes::gather(others);
+        let b = if planes { placement::stiffened(&b) } else { b };
         let found = placement::solve(u, &a, v, &b);
         edges.costs.extend_from_slice(&found.cost.to_array());
         edges.x.extend_from_slice(&found.position.x.to_array());

@@ -13,7 +13,7 @@ const MIN_SHAPE: f32 = 1e-4;
 
 /// Fans longer than this together are not merged: keeps the worst case (the apex of a cone with a
 /// million sides) away from quadratic time.
-const MAX_FAN: usize = 2048;
+pub(super) const MAX_FAN: usize = 2048;
 
 /// Why a collapse was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use super::LINE_WEIGHT;
-use super::lanes::{Lanes, Lanes3, WIDTH};
+use super::lanes::{Lanes, Lanes3, WIDTH, equal_bits};
 use super::quadric::{Quadric, QuadricLanes, Vec3, smaller};
 use super::space::Space;
 use super::topology::{Corner, Form, NONE, RingBuilder, Topology};
@@ -169,6 +169,19 @@ impl Preparation {
         for v in range {
             let fan = &fans[starts[v] as usize..starts[v + 1] as usize];
             let v = v as u32;
+            if wedges.is_empty()
+                && groups.is_empty()
+                && let Some(ring) = short_cycle(triangles, fan, v)
+            {
+                // The usual case: a manifold vertex with up to eight triangles.
+                topology.set_short_ring(v, &ring, fan.len());
+                let own = topology.vertices[v as usize].position();
+                let around = Around::of(topology, own, &ring[..fan.len()]);
+                let quadric = around.planes();
+                topology.vertices[v as usize].packed.set_quadric(&quadric);
+                around.spread_costs(&quadric, v, &ring[..fan.len()], keys);
+                continue;
+            }
             corners.clear();
             for &t in fan {
                 let [a, b, c] = triangles[t as usize];
@@ -206,39 +219,72 @@ impl Preparation {
                 quadric += line_quadric(topology, polylines, v);
             }
             topology.vertices[v as usize].packed.set_quadric(&quadric);
-            // First keys: the cost of merging at the better end, which bounds the solved cost from
-            // above. Nothing is solved, and the error is as with solved keys: the first visit
-            // solves, and the thresholds are coarse.
-            let mut spread = |w: u32, cost: f32| {
-                for end in [v, w] {
-                    // The other direction of the edge is for the turn of `w`.
-                    let key = &mut keys[end as usize];
-                    *key = smaller(*key, cost);
-                }
-            };
             if let (true, Some(around)) = (form != Form::Parts, &around) {
-                around.costs(&quadric, &ring.ring, spread);
+                around.spread_costs(&quadric, v, &ring.ring, keys);
             } else {
                 for &w in ring.ring.iter().filter(|&&w| w != NONE) {
-                    spread(w, quadric.error_at(topology.vertices[w as usize].position() - own));
+                    let cost = quadric.error_at(topology.vertices[w as usize].position() - own);
+                    for end in [v, w] {
+                        keys[end as usize] = smaller(keys[end as usize], cost);
+                    }
                 }
             }
         }
     }
 }
 
+/// The ring of a vertex with three to eight triangles, if they make one cycle.
+#[inline(always)]
+fn short_cycle(triangles: &[[u32; 3]], fan: &[u32], v: u32) -> Option<[u32; 8]> {
+    if !(3..=8).contains(&fan.len()) {
+        return None;
+    }
+    let (mut next, mut previous) = ([NONE; 8], [NONE; 8]);
+    for (k, &t) in fan.iter().enumerate() {
+        let [a, b, c] = triangles[t as usize];
+        // Selections, because which corner it is cannot be predicted.
+        next[k] = if a == v {
+            b
+        } else if b == v {
+            c
+        } else {
+            a
+        };
+        previous[k] = if a == v {
+            c
+        } else if b == v {
+            a
+        } else {
+            b
+        };
+    }
+    let mut ring = [NONE; 8];
+    let mut current = 0;
+    let mut returns = 0;
+    for slot in &mut ring[..fan.len()] {
+        *slot = next[current];
+        let successors = equal_bits(&next, previous[current]);
+        if successors.count_ones() != 1 {
+            return None;
+        }
+        current = successors.trailing_zeros() as usize;
+        returns += u32::from(current == 0);
+    }
+    (current == 0 && returns == 1).then_some(ring)
+}
+
 /// Longest ring that is prepared four neighbours at a time.
-const NEAR: usize = 12;
+pub(super) const NEAR: usize = 12;
 
 /// The neighbours of a vertex relative to it, in the order of its ring, which then starts again.
-struct Around {
+pub(super) struct Around {
     offsets: [Lanes3; NEAR / WIDTH + 1],
     length: usize,
 }
 
 impl Around {
     #[inline(always)]
-    fn of(topology: &Topology, own: Vec3, ring: &[u32]) -> Self {
+    pub(super) fn of(topology: &Topology, own: Vec3, ring: &[u32]) -> Self {
         let mut padded = [0; NEAR + WIDTH];
         for (slot, &w) in padded.iter_mut().zip(ring) {
             *slot = if w == NONE { 0 } else { w };
@@ -270,16 +316,60 @@ impl Around {
         sum.sum()
     }
 
-    /// Calls `found` for each neighbour with the error of the quadric there.
+    /// Of the triangles between the vertex and a closed ring whose normals are not against
+    /// `normal`, the slot of the one nearest to the point `p` (relative to the vertex), and its
+    /// squared distance; infinite if there is none.
     #[inline(always)]
-    fn costs(&self, quadric: &Quadric, ring: &[u32], mut found: impl FnMut(u32, f32)) {
+    pub(super) fn nearest_facing(&self, p: Vec3, normal: Vec3) -> (usize, f32) {
+        let (zero, one, infinite) = (Lanes::splat(0.0), Lanes::splat(1.0), Lanes::splat(f32::INFINITY));
+        let (p, normal) = (Lanes3::splat(p), Lanes3::splat(normal));
+        let last = Lanes::splat(self.length as f32 - 0.5);
+        let mut index = Lanes::new(Lanes::INDEX);
+        let (mut best, mut least) = (0, f32::INFINITY);
+        // An edge without length is its end: 0 / tiny.
+        let tiny = Lanes::splat(f32::MIN_POSITIVE);
+        let along = |at: Lanes3, edge: Lanes3| {
+            let t = at.dot(edge) / edge.dot(edge).max(tiny);
+            let t = Lanes::select(t.at_most(one), t.max(zero), one);
+            let offset = at - edge.scale(t);
+            offset.dot(offset)
+        };
+        for (k, pair) in self.offsets.windows(2).take(self.length.div_ceil(WIDTH)).enumerate() {
+            let (b, c) = (pair[0], pair[0].followed_by(pair[1]));
+            let n = b.cross(c);
+            let squared = n.dot(n);
+            let (at_b, at_c) = (p.cross(c).dot(n), b.cross(p).dot(n));
+            let inside = zero.at_most(at_b) & zero.at_most(at_c) & (at_b + at_c).at_most(squared);
+            let height = p.dot(n);
+            let (spoke, rim) = (along(p, b), along(p - b, c - b));
+            let outside = Lanes::select(spoke.at_most(rim), spoke, rim);
+            let distance = Lanes::select(inside, height * height / squared.max(tiny), outside);
+            let facing = !n.dot(normal).at_most(zero) & index.at_most(last);
+            let distances = Lanes::select(facing, distance, infinite).to_array();
+            for (lane, &distance) in distances.iter().enumerate() {
+                (best, least) = if distance < least { (WIDTH * k + lane, distance) } else { (best, least) };
+            }
+            index = index + Lanes::splat(WIDTH as f32);
+        }
+        (best, least)
+    }
+
+    /// First keys: the cost of merging at the better end, which bounds the solved cost from above.
+    /// Nothing is solved, and the error is as with solved keys: the first visit solves, and the
+    /// thresholds are coarse. The other direction of each edge is for the turn of its other end.
+    #[inline(always)]
+    fn spread_costs(&self, quadric: &Quadric, v: u32, ring: &[u32], keys: &mut [f32]) {
         let quadric = QuadricLanes::splat(quadric);
+        let mut least = keys[v as usize];
         for (&d, four) in self.offsets.iter().zip(ring.chunks(WIDTH)) {
             let costs = d.dot(quadric.apply(d)).max(Lanes::splat(0.0)).to_array();
             for (&w, cost) in four.iter().zip(costs) {
-                found(w, cost);
+                least = smaller(least, cost);
+                let key = &mut keys[w as usize];
+                *key = smaller(*key, cost);
             }
         }
+        keys[v as usize] = least;
     }
 }
 

@@ -65,6 +65,7 @@ impl Record {
         vertex_of_wedge: Vec<u32>,
         initial_triangle_count: usize,
         stop_reason: StopReason,
+        fitted: Vec<(u32, [f32; 3])>,
     ) -> CollapseSequence {
         let mut sequence = CollapseSequence {
             collapses: self.collapses,
@@ -74,6 +75,7 @@ impl Record {
             vertex_of_wedge,
             initial_triangle_count,
             stop_reason,
+            fitted,
         };
         if !self.rank_at.is_empty() {
             let mut order: Vec<(u32, u32)> = self.ranks.iter().zip(0..).map(|(rank, i)| (rank.to_bits(), i)).collect();

@@ -5,6 +5,10 @@
 //! that most fit half a cache line and a merged ring mostly fits the block of one of its ends. There
 //! are no triangles and no half-edges: a collapse reads two rings, writes one, and changes one
 //! entry in each ring around it.
+//!
+//! A vertex with hundreds of neighbours, a *hub*, would make that one entry a long search. Rings in
+//! large blocks are left as they are when a neighbour vanishes, and brought up to date when they are
+//! next read ([`Topology::refresh`]).
 
 use super::lanes::{Lanes, equal_bits};
 use super::quadric::{Packed, Quadric, Vec3};
@@ -79,6 +83,9 @@ pub(super) struct Corner {
 /// Smallest block: 8 slots.
 const LEAST_BLOCK: u8 = 3;
 
+/// Logarithm of the block size from which on a vertex is a hub.
+const HUB_BLOCK: u8 = 9;
+
 /// Vertices and their rings.
 #[derive(Debug, Default)]
 pub(super) struct Topology {
@@ -89,6 +96,8 @@ pub(super) struct Topology {
     has_wedges: bool,
     /// Free blocks by the logarithm of their size.
     free: Vec<Vec<u32>>,
+    /// The vertex that each was merged into; itself while it lives.
+    merged_into: Vec<u32>,
     pub(super) live_triangle_count: usize,
 }
 
@@ -113,7 +122,9 @@ impl Topology {
         let mut slots = Vec::with_capacity((count << LEAST_BLOCK) + count / 4 + 64);
         slots.resize(count << LEAST_BLOCK, NONE);
         let wedges = vec![0; if has_wedges { slots.len() } else { 0 }];
-        Self { vertices, slots, wedges, has_wedges, free: vec![Vec::new(); 33], live_triangle_count: triangles }
+        let merged_into = (0..count as u32).collect();
+        let free = vec![Vec::new(); 33];
+        Self { vertices, slots, wedges, has_wedges, free, merged_into, live_triangle_count: triangles }
     }
 
     #[inline(always)]
@@ -185,6 +196,7 @@ impl Topology {
                 (start, block) = self.allocate(ring.len());
             }
         }
+        self.merged_into[spare as usize] = v;
         let spare = &mut self.vertices[spare as usize];
         (spare.ring_length, spare.block) = (0, LEAST_BLOCK);
         self.write(v, start, block, form, ring, wedges);
@@ -195,11 +207,23 @@ impl Topology {
     pub(super) fn replace_ring(&mut self, v: u32, form: Form, ring: &[u32], wedges: &[u32]) {
         let own = self.vertices[v as usize];
         let (mut start, mut block) = (own.ring_start, own.block);
-        if ring.len() > 1 << block {
+        let size = 1_usize << block;
+        if ring.len() > size || (block >= HUB_BLOCK && ring.len() < size / 4) {
             self.free[usize::from(block)].push(start);
             (start, block) = self.allocate(ring.len());
         }
         self.write(v, start, block, form, ring, wedges);
+    }
+
+    /// As [`Topology::replace_ring`] for a closed ring of at most eight in a first block.
+    #[inline(always)]
+    pub(super) fn set_short_ring(&mut self, v: u32, ring: &[u32; 8], length: usize) {
+        let vertex = &mut self.vertices[v as usize];
+        vertex.ring_length = length as u32;
+        let start = vertex.ring_start as usize;
+        if let Some(block) = self.slots.get_mut(start..start + 8) {
+            block.copy_from_slice(ring);
+        }
     }
 
     #[cold]
@@ -232,6 +256,9 @@ impl Topology {
     #[inline(always)]
     pub(super) fn rename(&mut self, v: u32, old: u32, new: u32) {
         let vertex = &self.vertices[v as usize];
+        if vertex.block >= HUB_BLOCK {
+            return;
+        }
         let start = vertex.ring_start as usize;
         // The whole block, eight slots at once: where a search would end cannot be predicted, and
         // what is behind the ring's end does not matter.
@@ -242,10 +269,16 @@ impl Topology {
         }
     }
 
-    /// The triangle of `v`, `from` and `into` vanishes, and `from` is `into` in the ring of `v`,
-    /// which is not in parts.
+    /// The triangle of `v`, `from` and `into` vanishes, and `from` is `into` in the ring of `v`.
     #[inline(always)]
-    pub(super) fn close_up(&mut self, v: u32, from: u32, into: u32) {
+    pub(super) fn close_up(&mut self, v: u32, from: u32, into: u32, builder: &mut RingBuilder) {
+        let vertex = &self.vertices[v as usize];
+        if vertex.form == Form::Parts || vertex.block >= HUB_BLOCK {
+            if vertex.block < HUB_BLOCK {
+                self.rebuild(v, builder, |w| if w == from { into } else { w });
+            }
+            return;
+        }
         let (Some(at_from), Some(at_into)) = (self.slot_of(v, from), self.slot_of(v, into)) else { return };
         let vertex = &mut self.vertices[v as usize];
         let (start, length) = (vertex.ring_start as usize, vertex.ring_length as usize);
@@ -267,6 +300,41 @@ impl Topology {
         }
     }
 
+    /// Brings the ring of a hub up to date.
+    #[inline(always)]
+    pub(super) fn refresh(&mut self, v: u32, builder: &mut RingBuilder) {
+        if self.vertices[v as usize].block >= HUB_BLOCK {
+            let mut merged_into = std::mem::take(&mut self.merged_into);
+            self.rebuild(v, builder, |w| root(&mut merged_into, w));
+            self.merged_into = merged_into;
+        }
+    }
+
+    /// Brings every hub's ring up to date, and every entry of the returned list: the vertex that
+    /// lives now where each vertex was.
+    pub(super) fn settle(&mut self, builder: &mut RingBuilder) -> &[u32] {
+        for v in 0..self.vertices.len() as u32 {
+            root(&mut self.merged_into, v);
+            self.refresh(v, builder);
+        }
+        &self.merged_into
+    }
+
+    /// Renames the neighbours of `v`; triangles of which two are the same now are gone.
+    #[inline(never)]
+    fn rebuild(&mut self, v: u32, builder: &mut RingBuilder, mut name: impl FnMut(u32) -> u32) {
+        let mut corners = std::mem::take(&mut builder.corners);
+        corners.clear();
+        self.corners(v, &mut corners);
+        for corner in &mut corners {
+            (corner.next, corner.previous) = (name(corner.next), name(corner.previous));
+        }
+        corners.retain(|c| c.next != c.previous);
+        let form = builder.build(&corners);
+        builder.corners = corners;
+        self.replace_ring(v, form, &builder.ring, &builder.wedges);
+    }
+
     /// Area vector (twice the area long) of the triangle (position, next, previous).
     #[inline(always)]
     pub(super) fn area_vector(&self, position: Vec3, next: u32, previous: u32) -> Vec3 {
@@ -278,6 +346,21 @@ impl Topology {
     #[inline(always)]
     pub(super) fn add(&mut self, v: u32, difference: &[Lanes; 3]) {
         self.vertices[v as usize].packed.add(difference);
+    }
+}
+
+/// The living vertex that `v` was merged into, with the path to it halved.
+fn root(merged_into: &mut [u32], v: u32) -> u32 {
+    let mut at = v;
+    loop {
+        let next = merged_into[at as usize];
+        let after = merged_into[next as usize];
+        if next == after {
+            merged_into[v as usize] = next;
+            return next;
+        }
+        merged_into[at as usize] = after;
+        at = after;
     }
 }
 
@@ -301,6 +384,7 @@ pub(super) struct RingBuilder {
     /// For each entry of `by_next`, how many of its run are used up.
     taken: Vec<u32>,
     previous: Vec<u32>,
+    corners: Vec<Corner>,
 }
 
 impl RingBuilder {
