@@ -1,7 +1,7 @@
 // The page as a function of its state: which parts are there and what their events mean.
 import { samples } from '../../samples/samples.ts';
 import type { Sample } from '../../samples/samples.ts';
-import { fewestTriangles, isBusy, isSettled, progress, statusText } from '../../state.ts';
+import { canMeasure, fewestTriangles, isBusy, isSettled, progress, statusText } from '../../state.ts';
 import type { Model, OutputFormat, State, View } from '../../state.ts';
 import { Download } from '../download/download.tsx';
 import { DropHint, Landing } from '../drop-zone/drop-zone.tsx';
@@ -9,6 +9,7 @@ import { FileChooser } from '../drop-zone/file-chooser.tsx';
 import { LodSlider } from '../lod-slider/lod-slider.tsx';
 import { Logo } from '../logo/logo.tsx';
 import { MeshStats } from '../mesh-stats/mesh-stats.tsx';
+import { Measurement } from '../measurement/measurement.tsx';
 import { Notice } from '../notice/notice.tsx';
 import { Progress } from '../progress/progress.tsx';
 import { Samples } from '../samples/samples.tsx';
@@ -29,6 +30,7 @@ export interface Actions {
   changeView(change: Partial<View>): void;
   chooseFormat(format: OutputFormat): void;
   download(): void;
+  measure(): void;
 }
 
 export function App({ state, actions }: { readonly state: State; readonly actions: Actions }) {
@@ -100,7 +102,14 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
             onChange={actions.moveTarget}
           />
           <div class="panel-foot">
-            <MeshStats model={model} pending={!settled} outputCurrent={outputCurrent} />
+            <MeshStats model={model} pending={!settled} outputCurrent={outputCurrent}>
+              <Measurement
+                measurement={model.measurement}
+                possible={canMeasure(model)}
+                onMeasure={actions.measure}
+                onCancel={actions.cancel}
+              />
+            </MeshStats>
             <Download
               format={state.outputFormat}
               busy={state.task?.kind === 'writing'}

@@ -10,9 +10,11 @@ interface MeshStatsProps {
   readonly pending: boolean;
   /** Whether the size belongs to what is wanted now. */
   readonly outputCurrent: boolean;
+  /** Further figures. */
+  readonly children?: ComponentChildren;
 }
 
-export function MeshStats({ model, pending, outputCurrent }: MeshStatsProps) {
+export function MeshStats({ model, pending, outputCurrent, children }: MeshStatsProps) {
   const { source, shown, output } = model;
   return (
     <dl class="mesh-stats">
@@ -34,6 +36,7 @@ export function MeshStats({ model, pending, outputCurrent }: MeshStatsProps) {
           <span class="before">{formatLength(shown.estimatedError)} units</span>
         </dd>
       </div>
+      {children}
     </dl>
   );
 }
