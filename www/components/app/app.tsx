@@ -1,7 +1,7 @@
 // The page as a function of its state: which parts are there and what their events mean.
 import { samples } from '../../samples/samples.ts';
 import type { Sample } from '../../samples/samples.ts';
-import { canMeasure, fewestTriangles, isBusy, isSettled, progress, statusText } from '../../state.ts';
+import { fewestTriangles, isBusy, isSettled, progress, statusText } from '../../state.ts';
 import type { Model, OutputFormat, State, View } from '../../state.ts';
 import { Download } from '../download/download.tsx';
 import { DropHint, Landing } from '../drop-zone/drop-zone.tsx';
@@ -9,7 +9,6 @@ import { FileChooser } from '../drop-zone/file-chooser.tsx';
 import { LodSlider } from '../lod-slider/lod-slider.tsx';
 import { Logo } from '../logo/logo.tsx';
 import { MeshStats } from '../mesh-stats/mesh-stats.tsx';
-import { Measurement } from '../measurement/measurement.tsx';
 import { Notice } from '../notice/notice.tsx';
 import { Progress } from '../progress/progress.tsx';
 import { Samples } from '../samples/samples.tsx';
@@ -102,14 +101,13 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
             onChange={actions.moveTarget}
           />
           <div class="panel-foot">
-            <MeshStats model={model} pending={!settled} outputCurrent={outputCurrent}>
-              <Measurement
-                measurement={model.measurement}
-                possible={canMeasure(model)}
-                onMeasure={actions.measure}
-                onCancel={actions.cancel}
-              />
-            </MeshStats>
+            <MeshStats
+              model={model}
+              pending={!settled}
+              outputCurrent={outputCurrent}
+              onMeasure={actions.measure}
+              onCancel={actions.cancel}
+            />
             <Download
               format={state.outputFormat}
               busy={state.task?.kind === 'writing'}
