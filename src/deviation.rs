@@ -135,6 +135,9 @@ struct Sums {
 /// A query is the unit of work; building a tree handles this many triangles in the same time.
 const TRIANGLES_PER_QUERY: usize = 24;
 
+/// Queries that look at more nodes than this, far from the other surface, are worth several.
+const NODES_PER_QUERY: usize = 32;
+
 /// What is nearer than this, times the largest coordinate, is the rounding of a sample's position.
 const NOTHING: f64 = 1.0 / (1_u64 << 48) as f64;
 
@@ -254,7 +257,7 @@ impl DeviationMeter {
         }))
     }
 
-    /// Takes up to `most` samples; returns how many.
+    /// Takes samples for up to `most` queries' worth; returns how many that was.
     fn walk(&mut self, most: usize) -> usize {
         let Stage::Walk(walk) = &mut self.stage else { return 0 };
         let side = walk.side;
@@ -266,16 +269,18 @@ impl DeviationMeter {
         let scale = self.scales[walk.part];
         let sums = &mut self.sums[side];
         let (before, triangle_before) = (*sums, walk.sampler.triangle());
+        let mut used = 0;
         let mut ended = mine.is_empty() || other.is_empty();
         if !ended {
             let nothing = (f64::from(mine.reach().max(other.reach())) * NOTHING).powi(2);
-            for _ in 0..most {
+            while used < most {
                 let Some(Sample { point, kind }) = walk.sampler.next(mine.walkway(scale)) else {
                     ended = true;
                     break;
                 };
                 let nearest = other.bvh().nearest(point, walk.hint);
                 walk.hint = nearest.triangle;
+                used += 1 + nearest.nodes as usize / NODES_PER_QUERY;
                 let squared = if nearest.distance_squared > nothing { nearest.distance_squared } else { 0.0 };
                 let distance = squared.sqrt() * scale;
                 sums.add(distance, kind);
@@ -289,13 +294,12 @@ impl DeviationMeter {
         // Half of the triangles bring a new vertex, and some samples on their edges.
         let triangles = walk.sampler.triangle() - triangle_before;
         self.work_done += triangles as f64 + (sums.face_samples - before.face_samples) as f64;
-        let samples = (sums.samples - before.samples) as usize;
         if ended {
             walk.part += 1;
             walk.hint = 0;
             walk.sampler.enter_part();
         }
-        samples
+        used
     }
 
     /// Gives the original's vertices of parts that are gone the distance that [`Sums::lose`] does.

@@ -22,6 +22,10 @@ const EMPTY: Quad = Quad { low: [[f32::INFINITY; 4]; 3], high: [[f32::NEG_INFINI
 /// Enough for any number of triangles that a `u32` can count: 4¹⁶.
 const MOST_LEVELS: usize = 16;
 
+/// Triangles whose blocks are split in one step: far more than the step itself costs, and far
+/// less than can be noticed.
+const AT_ONCE: usize = 1024;
+
 /// How far a bound computed in `f32` may be above the exact one: half a dozen roundings.
 const ROUNDING: f64 = 1.0 + 1.0 / (1 << 20) as f64;
 
@@ -44,6 +48,8 @@ pub(super) struct Nearest {
     pub(super) distance_squared: f64,
     /// Index in the tree's order: the hint for a query nearby.
     pub(super) triangle: u32,
+    /// How many nodes were looked at.
+    pub(super) nodes: u32,
 }
 
 /// The order of the triangles while it is found, in steps.
@@ -71,9 +77,11 @@ impl Ordering {
         Self { items: items.collect(), span: corners.len().next_power_of_two(), next: 0 }
     }
 
-    /// Splits the next block; returns how many triangles it had, 0 when all is done.
+    /// Splits the next blocks, a few at once when they are small; returns how many triangles they
+    /// had, 0 when all is done.
     pub(super) fn step(&mut self) -> usize {
-        while self.span > 1 {
+        let mut handled = 0;
+        while self.span > 1 && handled < AT_ONCE {
             let start = self.next;
             if start >= self.items.len() {
                 self.span /= 2;
@@ -89,10 +97,10 @@ impl Ordering {
                 block.select_nth_unstable_by(self.span / 2, |a, b| {
                     a.centre[axis].total_cmp(&b.centre[axis]).then(a.triangle.cmp(&b.triangle))
                 });
-                return end - start;
+                handled += end - start;
             }
         }
-        0
+        handled
     }
 
     /// The triangles' numbers in their new order.
@@ -160,8 +168,11 @@ impl Bvh {
     /// The triangle nearest to `point`, of those at the same distance any one. `hint` is where the
     /// search starts: the answer to a point nearby makes it short. The tree must not be empty.
     pub(super) fn nearest(&self, point: Point, hint: u32) -> Nearest {
-        let mut best =
-            Nearest { distance_squared: distance_squared(point, &self.corners[hint as usize]), triangle: hint };
+        let mut best = Nearest {
+            distance_squared: distance_squared(point, &self.corners[hint as usize]),
+            triangle: hint,
+            nodes: 0,
+        };
         let probe = Probe::new(point, self.unit);
         let mut limit = probe.limit(best.distance_squared);
         let mut stack = [(0.0_f32, 0_u8, 0_u32); 3 * MOST_LEVELS + 1];
@@ -173,6 +184,7 @@ impl Bvh {
             if bound > limit {
                 continue;
             }
+            best.nodes += 1;
             let bounds = probe.bounds(&self.quads[self.level_starts[level as usize] + node as usize]);
             if level == 0 {
                 for (lane, &bound) in bounds.iter().enumerate() {
@@ -182,7 +194,7 @@ impl Bvh {
                     let triangle = 4 * node + lane as u32;
                     let squared = distance_squared(point, &self.corners[triangle as usize]);
                     if squared < best.distance_squared {
-                        best = Nearest { distance_squared: squared, triangle };
+                        (best.distance_squared, best.triangle) = (squared, triangle);
                         limit = probe.limit(squared);
                     }
                 }
@@ -267,4 +279,94 @@ pub(super) fn diagonal(corners: &[[[f32; 3]; 3]]) -> f64 {
         }
     }
     (0..3).map(|k| (high[k] - low[k]).max(0.0)).map(|extent| extent * extent).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles of very different sizes, some far away, in a fixed disorder.
+    fn soup(count: u32) -> Vec<[[f32; 3]; 3]> {
+        let mut state = 1_u32;
+        let mut next = || {
+            state ^= state << 13;
+            state ^= state >> 17;
+            state ^= state << 5;
+            state as f32 / u32::MAX as f32
+        };
+        (0..count)
+            .map(|t| {
+                let size = if t % 7 == 0 { 0.5 } else { 0.02 };
+                let away = if t % 31 == 0 { 100.0 } else { 1.0 };
+                let centre = [next() * away, next() * away, next()];
+                [(); 3].map(|()| centre.map(|c| c + size * next()))
+            })
+            .collect()
+    }
+
+    fn tree(corners: &[[[f32; 3]; 3]], reach: f32) -> Bvh {
+        let mut ordering = Ordering::new(corners);
+        while ordering.step() > 0 {}
+        Bvh::new(ordering.order().map(|t| corners[t]).collect(), reach)
+    }
+
+    #[test]
+    fn the_nearest_is_the_one_found_by_force_from_whatever_start() {
+        for count in [1, 2, 3, 4, 5, 15, 16, 17, 63, 64, 65, 257, 1000] {
+            let corners = soup(count);
+            let tree = tree(&corners, 200.0);
+            for probe in soup(40).into_iter().flatten() {
+                let point = wide(probe);
+                let expected = corners.iter().map(|t| distance_squared(point, t)).fold(f64::INFINITY, f64::min);
+                for hint in [0, count / 2, count - 1] {
+                    let nearest = tree.nearest(point, hint);
+                    assert_eq!(nearest.distance_squared, expected, "{count} triangles from {hint}");
+                    assert_eq!(distance_squared(point, &tree.corners()[nearest.triangle as usize]), expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_order_has_every_triangle_once_and_a_good_start_saves_work() {
+        let corners = soup(5000);
+        let mut ordering = Ordering::new(&corners);
+        let mut steps = 0;
+        while ordering.step() > 0 {
+            steps += 1;
+        }
+        assert!(steps > 13, "{steps} steps: it has to be divided");
+        let mut order: Vec<usize> = ordering.order().collect();
+        order.sort_unstable();
+        assert!(order.into_iter().eq(0..5000));
+
+        let tree = tree(&corners, 200.0);
+        let point = wide(tree.corners()[1234][0]);
+        let answer = tree.nearest(point, 0);
+        let (cold, warm) = (answer.nodes, tree.nearest(point, answer.triangle).nodes);
+        assert!(warm <= cold && cold < 300, "{cold} nodes, {warm} from the answer");
+    }
+
+    #[test]
+    fn a_tree_at_any_magnitude_finds_the_same() {
+        let corners = soup(300);
+        for exponent in [-126, -60, 0, 60, 118] {
+            let unit = 2.0_f32.powi(exponent);
+            let scaled: Vec<_> = corners.iter().map(|t| t.map(|p| p.map(|c| c * unit))).collect();
+            let (plain, tree) = (tree(&corners, 200.0), tree(&scaled, 200.0 * unit));
+            for probe in soup(20).into_iter().flatten() {
+                let squared = tree.nearest(wide(probe.map(|c| c * unit)), 0).distance_squared;
+                let expected = plain.nearest(wide(probe), 0).distance_squared;
+                let got = squared / f64::from(unit) / f64::from(unit);
+                // Below 2⁻¹²⁶ an f32 has fewer digits.
+                assert!((got - expected).abs() <= 1e-5 * expected + 1e-10, "2^{exponent}: {got}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_diagonal_is_that_of_the_box() {
+        assert_eq!(diagonal(&[[[1.0, 2.0, 3.0], [4.0, 2.0, 3.0], [1.0, 6.0, 3.0]]]), 5.0);
+        assert_eq!(diagonal(&[]), 0.0);
+    }
 }

@@ -196,3 +196,78 @@ fn weights_at(share: f64) -> [f64; 3] {
     let base = (1.0 - toward[0] - toward[1] - toward[3]) / 3.0;
     [toward[0] + base, toward[1] + base, toward[3] + base]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SQUARE: [[[f32; 3]; 3]; 2] =
+        [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]];
+
+    fn samples(count: usize, scale: f64) -> Vec<Sample> {
+        let way = Walkway { corners: &SQUARE, wedges: &[[0, 1, 2], [0, 2, 3]], areas: &[0.5, 0.5], scale };
+        let area = scale * scale / count as f64;
+        let mut sampler = Sampler::new(Spacing { area, length: area.sqrt() }, 4);
+        std::iter::from_fn(|| sampler.next(way)).collect()
+    }
+
+    #[test]
+    fn equal_areas_get_equal_numbers_of_samples() {
+        for scale in [1.0, 3.0] {
+            let points: Vec<Point> = samples(10_000, scale)
+                .into_iter()
+                .filter(|sample| sample.kind == SampleKind::Face)
+                .map(|sample| sample.point)
+                .collect();
+            assert_eq!(points.len(), 10_000);
+            let mut cells = [0; 25];
+            for [x, y, z] in points {
+                assert!((0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) && z == 0.0);
+                cells[(x * 5.0) as usize + 5 * (y * 5.0) as usize] += 1;
+            }
+            assert!(cells.iter().all(|n| (385..=415).contains(n)), "{cells:?}");
+        }
+    }
+
+    #[test]
+    fn every_vertex_is_taken_once_and_every_edge_at_its_spacing() {
+        let samples = samples(10_000, 1.0);
+        let vertices: Vec<u32> = samples
+            .iter()
+            .filter_map(|sample| match sample.kind {
+                SampleKind::Vertex(wedge) => Some(wedge),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(vertices, [0, 1, 2, 3]);
+        let edges: Vec<Point> =
+            samples.iter().filter(|s| s.kind == SampleKind::Edge).map(|sample| sample.point).collect();
+        let on_diagonal = edges.iter().filter(|p| p[0] == p[1]).count();
+        assert_eq!(on_diagonal, 141, "both triangles together take all");
+        let on_bottom = edges.iter().filter(|p| p[1] == 0.0).count();
+        assert_eq!(on_bottom, 50, "a border edge has one triangle");
+    }
+
+    #[test]
+    fn one_sample_is_near_the_next() {
+        let points: Vec<Point> =
+            samples(10_000, 1.0).iter().filter(|s| s.kind == SampleKind::Face).map(|s| s.point).collect();
+        let step = |w: &[Point]| ((w[1][0] - w[0][0]).powi(2) + (w[1][1] - w[0][1]).powi(2)).sqrt();
+        let mean = points.windows(2).map(step).sum::<f64>() / points.len() as f64;
+        assert!(mean < 0.03, "{mean}: at random it would be a third");
+    }
+
+    #[test]
+    fn the_curve_fills_the_triangle_evenly() {
+        let n = 4_u32.pow(6);
+        let mut sum = [0.0; 3];
+        for i in 0..n {
+            let weights = weights_at((f64::from(i) + 0.5) / f64::from(n));
+            assert!(weights.iter().all(|w| (0.0..=1.0).contains(w)), "{weights:?}");
+            assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+            (0..3).for_each(|k| sum[k] += weights[k] / f64::from(n));
+        }
+        assert!(sum.iter().all(|s| (s - 1.0 / 3.0).abs() < 1e-3), "{sum:?}");
+        assert!(weights_at(0.0).iter().chain(&weights_at(1.0)).all(|w| (0.0..=1.0).contains(w)));
+    }
+}

@@ -31,6 +31,15 @@ impl Surface {
     pub(super) fn of_parts(mesh: &Mesh) -> Vec<Self> {
         let mut surfaces: Vec<Self> = Vec::new();
         surfaces.resize_with(mesh.parts.len(), Self::default);
+        // Room for all at once: growing would copy everything several times over.
+        let mut counts = vec![0; mesh.parts.len()];
+        for group in &mesh.groups {
+            counts[mesh.wedge_sets[group.wedge_set].part] += group.triangles.len();
+        }
+        for (surface, count) in surfaces.iter_mut().zip(counts) {
+            surface.corners.reserve_exact(count);
+            surface.wedges.reserve_exact(count);
+        }
         for group in &mesh.groups {
             let surface = &mut surfaces[mesh.wedge_sets[group.wedge_set].part];
             for &wedges in &mesh.triangles[group.triangles.clone()] {
