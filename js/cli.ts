@@ -106,7 +106,7 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
   const document = openFiles(input.files);
   const read = performance.now() - start;
   try {
-    const { output: named, directory, options, ignored, json } = job;
+    const { output: named, directory, options, ignored, json, measure } = job;
     const format = named === undefined ? usualFormat(document.summary.format) : outputFormat(named);
     const output = named ?? (directory === undefined ? undefined : pathIn(directory, path, format));
     if (output !== undefined) {
@@ -117,6 +117,11 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
       ...options,
       onProgress: (fraction) => progress.show(`${label}: ${Math.floor(100 * fraction)} %`),
     });
+    if (measure) {
+      await document.measure({
+        onProgress: (fraction) => progress.show(`${label}: measuring, ${Math.floor(100 * fraction)} %`),
+      });
+    }
     const start = performance.now();
     const written = await document.write({ format });
     if (output !== undefined) writeWhole(output, written.bytes);

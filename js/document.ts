@@ -3,14 +3,23 @@
 import { DecimeshError, invalidArgument } from './errors.js';
 import { EngineObject, callEngine, init } from './engine.js';
 import { listFiles, loadFiles, type LoadedFile } from './files.js';
-import { RUN_NAMES, SIMPLIFY_NAMES, checkNames, checkSignal, resolveRequest, resolveTargets } from './options.js';
-import { makeReport, type Report } from './report.js';
-import { runInSteps } from './run.js';
+import {
+  RUN_NAMES,
+  SIMPLIFY_NAMES,
+  checkMeasureOptions,
+  checkNames,
+  checkSignal,
+  resolveRequest,
+  resolveTargets,
+} from './options.js';
+import { makeReport, type Deviation, type Report } from './report.js';
+import { Turn, runInSteps } from './run.js';
 import type {
   DocumentInput,
   DocumentSummary,
   LevelGeometry,
   LevelSummary,
+  MeasureOptions,
   OutputFormat,
   RunOptions,
   SimplifyOptions,
@@ -64,10 +73,13 @@ export function externalFiles(bytes: Uint8Array): string[] {
   return JSON.parse(callEngine((engine) => engine.externalFiles(bytes))) as string[];
 }
 
-interface Run {
-  readonly signal: AbortSignal | undefined;
-  /** Resolves when it is over, however it ended. */
-  readonly over: Promise<void>;
+/** Long work that the engine does in steps. */
+interface EngineRun {
+  begin(model: Model): void;
+  /** Returns the share that is done. */
+  step(model: Model, work: number): number;
+  /** Drops what is half done. */
+  cancel(model: Model): void;
 }
 
 /**
@@ -80,8 +92,13 @@ export class Document {
   readonly summary: DocumentSummary;
   readonly #model: EngineObject<Model>;
   readonly #timings: { read: number; simplify: number };
+  readonly #simplifying = new Turn('simplify');
+  readonly #measuring = new Turn('measure');
   #level: LevelSummary | undefined;
-  #run: Run | undefined;
+  /** Grows with every other level that is selected. */
+  #levelNumber = 0;
+  /** Of the selected level, and nothing once another is selected. */
+  #measured: { readonly deviation: Deviation; readonly milliseconds: number } | undefined;
 
   /** @internal Use {@link openDocument}. */
   constructor(model: EngineObject<Model>, summary: DocumentSummary, readMilliseconds: number) {
@@ -102,46 +119,64 @@ export class Document {
   async simplify(options: SimplifyOptions & RunOptions = {}): Promise<LevelSummary> {
     checkNames(options, [...SIMPLIFY_NAMES, ...RUN_NAMES]);
     const request = resolveRequest(options, this.summary);
-    const { signal } = options;
     this.#model.check();
-    signal?.throwIfAborted();
-    while (this.#run !== undefined) {
-      if (this.#run.signal?.aborted !== true) {
-        throw new DecimeshError('wrong-state', 'a simplification is already running on this document', 'simplify');
-      }
-      // An aborted run ends after its present step.
-      await this.#run.over;
-      signal?.throwIfAborted();
-    }
-    const { promise: over, resolve: end } = deferred();
-    this.#run = { signal, over };
-    const start = performance.now();
-    try {
-      this.#model.call((model) => model.beginSimplify(JSON.stringify(request)));
-      try {
-        await runInSteps((work) => this.#model.call((model) => model.step(work)), {
-          signal,
-          // The last report comes when the level is there to be used.
-          onProgress: (fraction) => fraction < 1 && options.onProgress?.(fraction),
-        });
-      } catch (error) {
-        this.#forgetRun();
-        throw error;
-      }
+    return this.#simplifying.take(options.signal, async () => {
+      const start = performance.now();
+      await this.#runInEngine(options, {
+        begin: (model) => model.beginSimplify(JSON.stringify(request)),
+        step: (model, work) => model.step(work),
+        cancel: (model) => model.cancelSimplify(),
+      });
       this.#timings.simplify = performance.now() - start;
+      // The same count as before may be another level now.
+      this.#forgetLevel();
       const level = this.#select(request.triangles, request.error);
       options.onProgress?.(1);
       return level;
-    } finally {
-      this.#run = undefined;
-      end();
+    });
+  }
+
+  /**
+   * Measures how far the selected level is from the original, both ways, by sampling; the report of {@link write} has
+   * the result as long as that level is selected.
+   *
+   * The level is the one selected at the call; the document can be used while it runs. Rejects as {@link simplify} does.
+   */
+  async measure(options: MeasureOptions & RunOptions = {}): Promise<Deviation> {
+    checkMeasureOptions(options);
+    this.#model.check();
+    return this.#measuring.take(options.signal, async () => {
+      const [start, level] = [performance.now(), this.#levelNumber];
+      await this.#runInEngine(options, {
+        begin: (model) => model.beginMeasure(options.samples),
+        step: (model, work) => model.stepMeasure(work),
+        cancel: (model) => model.cancelMeasure(),
+      });
+      const deviation = JSON.parse(this.#model.call((model) => model.takeDeviation())) as Deviation;
+      if (this.#levelNumber === level) this.#measured = { deviation, milliseconds: performance.now() - start };
+      options.onProgress?.(1);
+      return deviation;
+    });
+  }
+
+  async #runInEngine({ signal, onProgress }: RunOptions, run: EngineRun): Promise<void> {
+    this.#model.call(run.begin);
+    try {
+      await runInSteps((work) => this.#model.call((model) => run.step(model, work)), {
+        signal,
+        // The last report comes when the result is there to be used.
+        onProgress: (fraction) => fraction < 1 && onProgress?.(fraction),
+      });
+    } catch (error) {
+      this.#forgetRun(run);
+      throw error;
     }
   }
 
-  // Drops the engine's half-done run, unless the document itself is gone.
-  #forgetRun(): void {
+  // Drops what the engine has half done, unless the document itself is gone.
+  #forgetRun({ cancel }: EngineRun): void {
     try {
-      this.#model.call((model) => model.cancelSimplify());
+      this.#model.call(cancel);
     } catch (error) {
       if (!(error instanceof DecimeshError && error.code === 'disposed')) throw error;
     }
@@ -160,8 +195,16 @@ export class Document {
 
   #select(triangles: number | undefined, error: number | undefined): LevelSummary {
     const level = JSON.parse(this.#model.call((model) => model.selectLevel(triangles, error))) as LevelSummary;
+    // Of one record there is one level for each count.
+    if (level.triangles !== this.#level?.triangles) this.#forgetLevel();
     this.#level = level;
     return level;
+  }
+
+  #forgetLevel(): void {
+    this.#level = undefined;
+    this.#levelNumber += 1;
+    this.#measured = undefined;
   }
 
   /** The selected level as arrays; full detail before the first simplification. The arrays are the caller's own. */
@@ -195,12 +238,13 @@ export class Document {
     const format = checkWriteOptions(options, this.summary);
     const start = performance.now();
     const bytes = this.#model.call((model) => model.write(format)) as Uint8Array<ArrayBuffer>;
-    const timings = { ...this.#timings, write: performance.now() - start, measure: 0 };
+    const { deviation, milliseconds: measure = 0 } = this.#measured ?? {};
+    const timings = { ...this.#timings, write: performance.now() - start, measure };
     const output = { format, bytes: bytes.byteLength };
-    return { bytes, report: makeReport({ summary: this.summary, level: this.#level, output, timings }) };
+    return { bytes, report: makeReport({ summary: this.summary, level: this.#level, deviation, output, timings }) };
   }
 
-  /** Frees the document's memory; a simplification that runs rejects with `disposed`. May be called twice. */
+  /** Frees the document's memory; what runs rejects with `disposed`. May be called twice. */
   dispose(): void {
     this.#model.dispose();
   }
@@ -220,10 +264,3 @@ function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): Out
   }
   return format;
 }
-
-function deferred(): { promise: Promise<void>; resolve: () => void } {
-  let resolve = (): void => {};
-  const promise = new Promise<void>((done) => (resolve = done));
-  return { promise, resolve };
-}
-

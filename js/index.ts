@@ -4,7 +4,7 @@ export { init, type WasmSource } from './engine.js';
 export { openDocument, externalFiles, type Document, type Written } from './document.js';
 export { simplify, simplifySequence, type MeshSequence } from './simplify.js';
 export { DecimeshError, type EngineErrorCode, type ErrorCode, type HostErrorCode } from './errors.js';
-export type { Deviation, Report, ReportedFile, Timings } from './report.js';
+export type { Deviation, Report, ReportedFile, SideDeviation, Timings } from './report.js';
 export type {
   AttributeArray,
   DocumentInput,
@@ -14,6 +14,7 @@ export type {
   GroupSummary,
   LevelGeometry,
   LevelSummary,
+  MeasureOptions,
   MeshAttributes,
   MeshInput,
   NamedBytes,

@@ -1,7 +1,7 @@
 // Checks the options of a simplification, and turns targets into a triangle count and an error in model units.
 
 import { invalidArgument } from './errors.js';
-import type { RunOptions, SimplifyOptions, Targets } from './types.js';
+import type { MeasureOptions, RunOptions, SimplifyOptions, Targets } from './types.js';
 
 /** What targets refer to. */
 export interface Scale {
@@ -65,6 +65,19 @@ export function resolveRequest(options: SimplifyOptions & RunOptions, scale: Sca
   }
   checkSignal(signal);
   return request;
+}
+
+/** Checks `options` of a measurement. */
+export function checkMeasureOptions(options: MeasureOptions & RunOptions): void {
+  checkNames(options, ['samples', ...RUN_NAMES]);
+  const { samples, onProgress, signal } = options;
+  if (samples !== undefined && !(Number.isInteger(samples) && samples >= 1 && samples <= 1e9)) {
+    throw invalidArgument('samples', `must be an integer from 1 to 1e9, not ${shown(samples)}`);
+  }
+  if (onProgress !== undefined && typeof onProgress !== 'function') {
+    throw invalidArgument('onProgress', 'must be a function');
+  }
+  checkSignal(signal);
 }
 
 /** Throws `invalid-argument` unless `signal` is an AbortSignal or absent. */

@@ -13,13 +13,31 @@ export interface ReportedFile<FileFormat extends Format = Format> {
   readonly meshes: number;
 }
 
-/** Measured distances between two surfaces, model units. */
-export interface Deviation {
+/** Measured distances of one surface's samples from the other surface, model units. */
+export interface SideDeviation {
   readonly max: number;
+  /** Average over the area. */
   readonly mean: number;
+  /** Root mean square over the area. */
+  readonly rms: number;
+  /** How many places were measured at: on faces, edges and vertices together. */
+  readonly samples: number;
+}
+
+/** Measured distances between the original and the selected level, model units. */
+export interface Deviation {
+  /** The larger of the sides'. */
+  readonly max: number;
+  /** The average of the sides'. */
+  readonly mean: number;
+  /** The root of the average of the sides' squares. */
   readonly rms: number;
   /** Length of the original's bounding box diagonal. */
   readonly relativeTo: number;
+  /** What was lost: how far the original is from the level. */
+  readonly originalToSimplified: SideDeviation;
+  /** What was made up: how far the level is from the original. */
+  readonly simplifiedToOriginal: SideDeviation;
 }
 
 /** Milliseconds spent on each part. */
@@ -38,7 +56,7 @@ export interface Report {
   readonly stopReason: StopReason | null;
   /** Estimated deviation from the original; 0 at full detail. */
   readonly estimatedError: number;
-  /** Null unless it was measured. */
+  /** Null unless the written level was measured. */
   readonly deviation: Deviation | null;
   readonly timings: Timings;
   readonly warnings: readonly Warning[];
@@ -49,12 +67,14 @@ export interface ReportParts {
   readonly summary: DocumentSummary;
   /** Undefined when nothing was simplified. */
   readonly level: LevelSummary | undefined;
+  /** Undefined when it was not measured. */
+  readonly deviation: Deviation | undefined;
   readonly output: { readonly format: OutputFormat; readonly bytes: number };
   readonly timings: Timings;
 }
 
 /** Puts a report together; both paths are null, for the caller to fill in. */
-export function makeReport({ summary, level, output, timings }: ReportParts): Report {
+export function makeReport({ summary, level, deviation, output, timings }: ReportParts): Report {
   const { format, bytes, triangles, vertices, meshes, warnings } = summary;
   return {
     input: { path: null, format, bytes, triangles, vertices, meshes },
@@ -68,7 +88,7 @@ export function makeReport({ summary, level, output, timings }: ReportParts): Re
     },
     stopReason: level?.stopReason ?? null,
     estimatedError: level?.estimatedError ?? 0,
-    deviation: null,
+    deviation: deviation ?? null,
     timings,
     warnings,
   };

@@ -1,5 +1,6 @@
 // Advances long work in short steps, so that events, progress and an abort get their turn between them.
 
+import { DecimeshError } from './errors.js';
 import { yieldToEvents } from './platform.js';
 import type { RunOptions } from './types.js';
 
@@ -40,6 +41,41 @@ export async function runInSteps(step: (work: number) => number, { onProgress, s
     signal?.throwIfAborted();
   }
   onProgress?.(1);
+}
+
+/** Lets one run at a time at something. */
+export class Turn {
+  readonly #name: string;
+  #running: { readonly signal: AbortSignal | undefined; readonly over: Promise<void> } | undefined;
+
+  /** `name` is the call's, for the message. */
+  constructor(name: string) {
+    this.#name = name;
+  }
+
+  /**
+   * Calls `run` and returns its result. A former run that was aborted is waited for: it ends after its present step.
+   *
+   * Rejects with `wrong-state` while a run is under way that was not aborted, and with the signal's reason.
+   */
+  async take<Result>(signal: AbortSignal | undefined, run: () => Promise<Result>): Promise<Result> {
+    signal?.throwIfAborted();
+    while (this.#running !== undefined) {
+      if (this.#running.signal?.aborted !== true) {
+        throw new DecimeshError('wrong-state', `${this.#name} is already running on this document`, this.#name);
+      }
+      await this.#running.over;
+      signal?.throwIfAborted();
+    }
+    let end = (): void => {};
+    this.#running = { signal, over: new Promise<void>((resolve) => (end = resolve)) };
+    try {
+      return await run();
+    } finally {
+      this.#running = undefined;
+      end();
+    }
+  }
 }
 
 /** Calls `step` until it returns 1, without a pause. */

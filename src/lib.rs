@@ -9,7 +9,8 @@
 //! [`document`] reads and writes files and keeps what it does not understand; [`mesh`] is the
 //! indexed triangle set; [`simplify`] runs quadric edge collapse over it and records a
 //! [`collapse_sequence`]; [`lod`] extracts the mesh at any triangle count or error from that
-//! record. Imports point backwards along this line only.
+//! record; [`deviation`] measures how far such a mesh is from the original. Imports point
+//! backwards along this line only.
 
 pub mod error;
 pub mod mesh;
@@ -18,6 +19,8 @@ pub mod collapse_sequence;
 pub mod simplify;
 
 pub mod lod;
+
+pub mod deviation;
 
 pub mod document;
 

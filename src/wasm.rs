@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use wasm_bindgen::prelude::*;
 
 use crate::collapse_sequence::CollapseSequence;
+use crate::deviation::{Deviation, DeviationMeter, DeviationOptions, SideDeviation};
 use crate::document::{Document, Format, NamedFile};
 use crate::error::{Error, ErrorCode, Warning};
 use crate::lod::{self, Level, LevelMesh};
@@ -182,6 +183,39 @@ struct LevelSummary<'a> {
     stop_reason: &'a str,
 }
 
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct DeviationSummary {
+    max: f64,
+    mean: f64,
+    rms: f64,
+    relative_to: f64,
+    original_to_simplified: SideSummary,
+    simplified_to_original: SideSummary,
+}
+
+#[derive(Serialize)]
+struct SideSummary {
+    max: f64,
+    mean: f64,
+    rms: f64,
+    samples: u64,
+}
+
+impl From<Deviation> for DeviationSummary {
+    fn from(deviation: Deviation) -> Self {
+        let side = |SideDeviation { max, mean, rms, samples }| SideSummary { max, mean, rms, samples };
+        Self {
+            max: deviation.max,
+            mean: deviation.mean,
+            rms: deviation.rms,
+            relative_to: deviation.diagonal,
+            original_to_simplified: side(deviation.original_to_simplified),
+            simplified_to_original: side(deviation.simplified_to_original),
+        }
+    }
+}
+
 /// Where the mesh came from.
 enum Source {
     File(Document),
@@ -195,6 +229,7 @@ pub struct Model {
     running: Option<Simplifier>,
     sequence: Option<CollapseSequence>,
     level: Option<LevelMesh>,
+    measuring: Option<DeviationMeter>,
 }
 
 #[wasm_bindgen]
@@ -417,6 +452,42 @@ impl Model {
         }
     }
 
+    /// Prepares a measurement of the selected level against the original, with so many samples on
+    /// each side's faces, in place of one that is running. Later changes of the level do not touch it.
+    #[wasm_bindgen(js_name = beginMeasure)]
+    pub fn begin_measure(&mut self, samples: Option<f64>) -> Result<(), JsValue> {
+        let mut options = DeviationOptions::default();
+        if let Some(samples) = samples {
+            if !(1.0..=MOST_SAMPLES).contains(&samples) {
+                return Err(thrown(Error::new(ErrorCode::InvalidArgument, "samples", "must be from 1 to 1e9")));
+            }
+            options.sample_count = samples as usize;
+        }
+        self.measuring = Some(DeviationMeter::new(self.mesh(), self.level_mesh(), &options).map_err(thrown)?);
+        Ok(())
+    }
+
+    /// Advances the measurement by about `work` samples. Returns the fraction done, 0 to 1; at 1
+    /// [`Model::take_deviation`] has the result.
+    #[wasm_bindgen(js_name = stepMeasure)]
+    pub fn step_measure(&mut self, work: f64) -> Result<f32, JsValue> {
+        let meter = self.measuring.as_mut().ok_or_else(not_measuring)?;
+        Ok(meter.step(work.clamp(1.0, 1e9) as usize).fraction)
+    }
+
+    /// The measurement's result as JSON, and the end of it.
+    #[wasm_bindgen(js_name = takeDeviation)]
+    pub fn take_deviation(&mut self) -> Result<String, JsValue> {
+        let meter = self.measuring.take().ok_or_else(not_measuring)?;
+        to_json(&DeviationSummary::from(meter.finish()))
+    }
+
+    /// Drops a running measurement.
+    #[wasm_bindgen(js_name = cancelMeasure)]
+    pub fn cancel_measure(&mut self) {
+        self.measuring = None;
+    }
+
     /// The file at the selected level.
     pub fn write(&self, format: &str) -> Result<Vec<u8>, JsValue> {
         let Source::File(document) = &self.source else {
@@ -433,7 +504,7 @@ impl Model {
 
 impl Model {
     fn new(source: Source) -> Self {
-        Self { source, running: None, sequence: None, level: None }
+        Self { source, running: None, sequence: None, level: None, measuring: None }
     }
 
     fn mesh(&self) -> &Mesh {
@@ -446,6 +517,13 @@ impl Model {
     fn level_mesh(&self) -> &Mesh {
         self.level.as_ref().map_or(self.mesh(), |level| &level.mesh)
     }
+}
+
+/// More would take hours and change nothing.
+const MOST_SAMPLES: f64 = 1e9;
+
+fn not_measuring() -> JsValue {
+    thrown(Error::new(ErrorCode::WrongState, "measure", "begin first"))
 }
 
 fn missing(argument: &str) -> JsValue {

@@ -80,6 +80,31 @@ describe('one file', () => {
     expect(await decimesh(at('a.obj'), '-o', at('c.obj'), '-r', '0.5')).toMatchObject({ code: 0 });
   });
 
+  it('measures the deviation when asked to, and says it either way', async () => {
+    const { at, input } = workspace();
+    const args = [input, '-r', '0.2', '--measure'];
+    const { deviation, timings } = JSON.parse((await decimesh(...args, '--json')).stdout) as Report;
+    expect(deviation).toEqual({
+      max: expect.any(Number),
+      mean: expect.any(Number),
+      rms: expect.any(Number),
+      relativeTo: expect.closeTo(Math.sqrt(2), 1),
+      originalToSimplified: expect.objectContaining({ samples: expect.any(Number) }),
+      simplifiedToOriginal: expect.objectContaining({ samples: expect.any(Number) }),
+    });
+    const { max, mean, rms } = deviation!;
+    expect(mean).toBeGreaterThan(0);
+    expect(rms).toBeGreaterThan(mean);
+    expect(max).toBeGreaterThan(rms);
+    expect(max).toBeLessThan(0.1);
+    expect(timings.measure).toBeGreaterThan(0);
+    const told = await decimesh(...args, '-o', at('out.glb'));
+    expect(told).toMatchObject({ code: 0, stderr: '' });
+    expect(told.stdout).toMatch(/measured deviation max 0\.\d+ \([\d.]+ %\), mean 0\.\d+ \([\d.]+ %\), rms 0\.\d+ \([\d.]+ %\)/);
+    const silent = await decimesh(input, '-r', '0.2', '-o', at('out.glb'));
+    expect(silent.stdout).not.toContain('measured');
+  });
+
   it('stops at the error and says so', async () => {
     const { at, input } = workspace();
     const inUnits = await decimesh(input, '-o', at('a.glb'), '-e', '0.01', '--json');
@@ -184,7 +209,6 @@ describe('wrong usage', () => {
     ['--size', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--size', '500k'], '--size'],
     ['--lods', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--lods', '0.5,0.25'], '--lods'],
     ['--quantize', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--quantize'], '--quantize'],
-    ['--measure', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--measure'], '--measure'],
     ['--compress meshopt', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--compress', 'meshopt'], '--compress'],
   ];
   it.each(cases)('%s: exit code 2 and one line that names the argument', async (_, args, place) => {

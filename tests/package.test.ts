@@ -182,6 +182,119 @@ describe('a document', () => {
   });
 });
 
+describe('measuring', () => {
+  // The unit square in four triangles that meet in a peak.
+  const pyramid = (height: number): Uint8Array =>
+    objOf({
+      positions: new Float32Array([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, height]),
+      indices: new Uint32Array([0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4]),
+      attributes: {},
+    });
+
+  it('is nothing before the first simplification, and then what the surfaces are apart', async () => {
+    using document = await openDocument(pyramid(0.3));
+    expect((await document.write()).report).toMatchObject({ deviation: null, timings: { measure: 0 } });
+    expect(await document.measure({ samples: 1000 })).toMatchObject({ max: 0, mean: 0, rms: 0 });
+    await document.simplify({ triangles: 2, placement: 'subset' });
+    expect((await document.geometry()).groups[0]?.indices).toHaveLength(6);
+    const { max, mean, rms, relativeTo, originalToSimplified } = await document.measure();
+    expect(relativeTo).toBeCloseTo(Math.hypot(1, 1, 0.3), 6);
+    expect(max).toBeGreaterThan(0.1);
+    expect(max).toBeLessThanOrEqual(0.31);
+    expect(mean).toBeLessThan(rms);
+    expect(rms).toBeLessThan(max);
+    expect(originalToSimplified.samples).toBeGreaterThanOrEqual(400_000);
+  });
+
+  it('is in the report until another level is selected', async () => {
+    using document = await openDocument(file());
+    await document.simplify();
+    await document.level({ ratio: 0.2 });
+    const deviation = await document.measure({ samples: 2000 });
+    const { report } = await document.write();
+    expect(report.deviation).toEqual(deviation);
+    expect(report.timings.measure).toBeGreaterThan(0);
+    await document.level({ ratio: 0.2 });
+    expect((await document.write()).report.deviation).toEqual(deviation);
+    await document.level({ ratio: 0.1 });
+    expect((await document.write()).report).toMatchObject({ deviation: null, timings: { measure: 0 } });
+    expect((await document.measure({ samples: 2000 })).mean).toBeGreaterThan(deviation.mean);
+    await document.simplify({ ratio: 0.1 });
+    expect((await document.write()).report.deviation).toBeNull();
+  });
+
+  it('measures the level selected at the call, and does not take it for a later one', async () => {
+    using document = await openDocument(file());
+    await document.simplify();
+    await document.level({ ratio: 0.2 });
+    const expected = await document.measure({ samples: 300_000 });
+    const fractions: number[] = [];
+    const measuring = document.measure({ samples: 300_000, onProgress: (fraction) => fractions.push(fraction) });
+    await document.level({ ratio: 0.05 });
+    expect(await measuring).toEqual(expected);
+    expect((await document.write()).report.deviation).toBeNull();
+    expect(fractions.filter((fraction) => fraction === 1)).toEqual([1]);
+    expect(fractions).toEqual([...fractions].sort((a, b) => a - b));
+    expect(fractions.length).toBeGreaterThan(2);
+  });
+
+  it('can be aborted at any time and started again', async () => {
+    using document = await openDocument(file(200));
+    await document.simplify({ ratio: 0.1 });
+    const controller = new AbortController();
+    let abortedAt = 0;
+    const onProgress = (fraction: number): void => {
+      if (fraction < 0.01 || controller.signal.aborted) return;
+      abortedAt = performance.now();
+      controller.abort(new Error('enough'));
+    };
+    const first = document.measure({ samples: 1e7, signal: controller.signal, onProgress });
+    const ended = expect(first).rejects.toThrow('enough');
+    await expect(document.measure()).rejects.toEqual(coded('wrong-state', /^measure$/));
+    await ended;
+    expect(performance.now() - abortedAt).toBeLessThan(1000);
+    expect((await document.write()).report.deviation).toBeNull();
+    const again = new AbortController();
+    const second = document.measure({ samples: 1e8, signal: again.signal });
+    again.abort(new Error('and again'));
+    const third = document.measure({ samples: 1000 });
+    await expect(second).rejects.toThrow('and again');
+    expect((await third).max).toBeGreaterThan(0);
+    await expect(document.measure({ signal: AbortSignal.abort(new Error('before')) })).rejects.toThrow('before');
+  });
+
+  it('and simplifying may go on side by side', async () => {
+    using document = await openDocument(file(100));
+    await document.simplify({ ratio: 0.1 });
+    const [deviation, level] = await Promise.all([document.measure(), document.simplify({ ratio: 0.3 })]);
+    expect(deviation.max).toBeGreaterThan(0);
+    expect(level.triangles).toBeGreaterThan(5000);
+    expect((await document.write()).report.deviation).toBeNull();
+  });
+
+  it('ends with the document', async () => {
+    const document = await openDocument(file(100));
+    await document.simplify({ ratio: 0.1 });
+    const measuring = document.measure({ samples: 1e8 });
+    document.dispose();
+    await expect(measuring).rejects.toEqual(coded('disposed'));
+    await expect(document.measure()).rejects.toEqual(coded('disposed'));
+  });
+
+  it.each([
+    [{ samples: 0 }, 'samples'],
+    [{ samples: 1.5 }, 'samples'],
+    [{ samples: '100' }, 'samples'],
+    [{ samples: 2e9 }, 'samples'],
+    [{ sample: 1 }, 'sample'],
+    [{ onProgress: 1 }, 'onProgress'],
+    [{ signal: {} }, 'signal'],
+  ])('refuses %j', async (options, where) => {
+    using document = await openDocument(file(4));
+    await expect(document.measure(options as never)).rejects.toMatchObject({ code: 'invalid-argument', where });
+  });
+});
+
 describe('abort and overlap', () => {
   it('rejects with the reason within 100 ms and leaves the former level', async () => {
     using document = await openDocument(file(500));

@@ -267,6 +267,57 @@ describe('the slider', () => {
   });
 });
 
+describe('measuring', () => {
+  const measure = () => page.getByRole('button', { name: 'Measure', exact: true });
+  const cancel = () => page.getByRole('button', { name: 'Cancel measuring' });
+
+  it('shows what is between the level and the original, until another level is wanted', async () => {
+    await openPage();
+    await drop(nefertiti);
+    await ready();
+    await slider().fill('2000');
+    await status(/^Ready\. Showing/);
+    await measure().focus();
+    await page.keyboard.press('Enter');
+    await status(/^Measured: 0\.\d+ % of the diagonal at most, 0\.0\d+ % on average\.$/);
+    expect(await figure('Measured error')).toMatch(/^0\.[1-9]\d* % at most$/);
+    await page.getByText(/^mean 0\.0\d+ % · rms 0\.0\d+ %$/).waitFor();
+    // The download is of the same level.
+    await download();
+    await page.getByRole('term').filter({ hasText: 'Measured error' }).waitFor();
+    await slider().fill('1000');
+    await status(/^Ready\. Showing/);
+    expect(await page.getByText('Measured error').count()).toBe(0);
+    expect(await figure('Estimated error')).toMatch(/ %$/);
+    await measure().click();
+    await status(/^Measured/);
+  });
+
+  it('has a bar, keeps the focus, and is stopped by its button, by Escape or by another wish', async () => {
+    await openPage();
+    await drop({ name: 'large.glb', bytes: writeGlb(subdivide(readFirstPrimitive(nefertiti.bytes), 1)) });
+    await ready();
+    const bar = page.getByRole('progressbar', { name: 'Measuring' });
+    await measure().focus();
+    await page.keyboard.press('Enter');
+    await bar.waitFor();
+    expect(await cancel().evaluate((button) => button === document.activeElement)).toBe(true);
+    await page.keyboard.press('Enter');
+    await status(/^Cancelled measuring/);
+    await measure().click();
+    await bar.waitFor();
+    await page.keyboard.press('Escape');
+    await status(/^Cancelled measuring/);
+    await measure().click();
+    await bar.waitFor();
+    await slider().fill('3000');
+    await status(/^Ready\. Showing/);
+    expect(await bar.count()).toBe(0);
+    await measure().click();
+    await status(/^Measured/);
+  });
+});
+
 describe('the view', () => {
   // Byte for byte: nothing moves, and the software renderer draws the same picture every time.
   const picture = (): Promise<Buffer> => page.screenshot({ clip: { x: 200, y: 100, width: 700, height: 380 } });

@@ -60,6 +60,42 @@ describe('the slider', () => {
   });
 });
 
+describe('measuring', () => {
+  const deviation = { max: 0.4, mean: 0.1, rms: 0.2, relativeTo: 2 };
+  const shown = (): State =>
+    transitions.levelShown(transitions.targetMoved(ready(), 100, 1), { triangles: 100, vertices: 60, estimatedError: 0.1 }, 100);
+  const measured = (): State => transitions.measuringEnded(transitions.measuringProgressed(shown(), 0.5), deviation, 'Measured.');
+
+  it('is possible once the level that is wanted is on screen', () => {
+    expect(transitions.canMeasure(opened().model!)).toBe(false);
+    expect(transitions.canMeasure(transitions.targetMoved(ready(), 100, 1).model!)).toBe(false);
+    expect(transitions.canMeasure(shown().model!)).toBe(true);
+  });
+
+  it('says so, can be cancelled, and leaves its figures', () => {
+    const running = transitions.measuringProgressed(shown(), 0.5);
+    expect(running.model?.measurement).toEqual({ kind: 'running', fraction: 0.5 });
+    expect(transitions.statusText(running)).toBe('Measuring vase…');
+    expect(transitions.canCancel(running)).toBe(true);
+    expect(transitions.isBusy(running)).toBe(false);
+    expect(measured().model?.measurement).toEqual({ kind: 'done', deviation });
+    expect(transitions.statusText(measured())).toBe('Measured.');
+    expect(transitions.canCancel(measured())).toBe(false);
+    expect(transitions.measuringEnded(running, null, '').model?.measurement).toEqual({ kind: 'none' });
+  });
+
+  it('is forgotten when another level is wanted, and only then', () => {
+    const none = { kind: 'none' };
+    expect(transitions.targetMoved(measured(), 100, 2).model?.measurement).toEqual({ kind: 'done', deviation });
+    expect(transitions.outputFormatChosen(measured(), 'obj').model?.measurement).toEqual({ kind: 'done', deviation });
+    expect(transitions.targetMoved(measured(), 99, 2).model?.measurement).toEqual(none);
+    expect(transitions.undone(measured()).model?.measurement).toEqual(none);
+    expect(transitions.targetMoved(transitions.measuringProgressed(shown(), 0.5), 99, 2).model?.measurement).toEqual(none);
+    expect(transitions.recordingProgressed(measured(), 0.1).model?.measurement).toEqual(none);
+    expect(transitions.modelOpened(measured(), { name: 'b', credit: '', source, warnings: [], animations: [] }).model?.measurement).toEqual(none);
+  });
+});
+
 describe('undo', () => {
   it('takes back one gesture at a time', () => {
     let state = ready();

@@ -19,6 +19,11 @@ fn every_fixture_keeps_its_properties_at_every_level() {
 }
 
 #[wasm_bindgen_test]
+fn the_deviation_is_the_native_one_bit_for_bit() {
+    assert_eq!(support::fingerprint_of(&support::measured_plates()), support::MEASURED_PLATES);
+}
+
+#[wasm_bindgen_test]
 fn the_result_is_the_native_one_bit_for_bit() {
     let mesh = support::plate(24, 0.3);
     let sequence = simplify(&mesh, &SimplifyOptions::default()).unwrap();

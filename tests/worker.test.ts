@@ -109,6 +109,33 @@ describe('in a worker thread', () => {
     expect(fractions).toHaveLength(1);
   });
 
+  it('a level is measured, with progress, and an abort stops it', async () => {
+    const bytes = file();
+    const remote = await client().openDocument(bytes);
+    using local = await openDocument(bytes);
+    await remote.simplify({ ratio: 0.2 });
+    await local.simplify({ ratio: 0.2 });
+    const progress: number[] = [];
+    const deviation = await remote.measure({ samples: 200_000, onProgress: (fraction) => progress.push(fraction) });
+    expect(deviation).toEqual(await local.measure({ samples: 200_000 }));
+    expect((await remote.write()).report.deviation).toEqual(deviation);
+    expect(progress.at(-1)).toBe(1);
+    expect(progress.length).toBeGreaterThan(2);
+
+    const controller = new AbortController();
+    const long = remote.measure({
+      samples: 1e8,
+      signal: controller.signal,
+      onProgress: () => controller.abort(new Error('enough')),
+    });
+    await expect(long).rejects.toThrow('enough');
+    // It neither holds the worker up nor keeps the next one from starting.
+    expect(await remote.measure({ samples: 200_000 })).toEqual(deviation);
+    await expect(remote.measure({ samples: -1 })).rejects.toMatchObject({ code: 'invalid-argument', where: 'samples' });
+    remote.dispose();
+    await expect(remote.measure()).rejects.toEqual(coded('disposed'));
+  });
+
   it('a callback that throws ends its run', async () => {
     const document = await client().openDocument(file(100));
     const onProgress = (): void => {

@@ -1,7 +1,7 @@
 // Keyboard shortcuts of the whole window, and of the view when it has the focus.
 import type { Actions } from './components/app/app.tsx';
 import type { CameraMove } from './preview/protocol.ts';
-import { isBusy } from './state.ts';
+import { canCancel } from './state.ts';
 import type { State } from './state.ts';
 
 /** Pixels of dragging that an arrow key stands for. */
@@ -13,7 +13,7 @@ export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: Cam
   addEventListener('keydown', (event) => {
     const { key } = event;
     if (key === 'Escape') {
-      if (isBusy(state())) actions.cancel();
+      if (canCancel(state())) actions.cancel();
       else actions.dismiss();
       return;
     }

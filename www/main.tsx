@@ -61,6 +61,7 @@ const actions: Actions = {
   changeView: (change) => update((now) => transitions.viewChanged(now, change)),
   chooseFormat: (format) => update((now) => transitions.outputFormatChosen(now, format)),
   download: () => void session.download(),
+  measure: () => void session.measure(),
 };
 
 let drawing = false;

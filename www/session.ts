@@ -2,6 +2,7 @@
 // wanted. Only the latest wish counts: one request is under way, and what was asked for meanwhile is read when it ends.
 import type { DocumentProxy, WorkerClient } from 'decimesh/worker';
 import { baseName, decodePath, fetchFile, modelFile } from './files.ts';
+import { formatShare } from './format.ts';
 import type { View } from './preview/view.ts';
 import * as transitions from './state.ts';
 import type { Model, Notice, OutputFormat, State } from './state.ts';
@@ -27,6 +28,7 @@ interface OpenDocument {
   document: DocumentProxy;
   readonly files: File[];
   recording: AbortController | null;
+  measuring: AbortController | null;
   /** The last file written, and what for; Download takes it from here. */
   written: { readonly key: string; readonly bytes: Uint8Array } | null;
   /** The wish that failed last: not tried again until it changes. */
@@ -70,17 +72,18 @@ export class Session {
     });
   }
 
-  /** Stops what is under way: first a file being opened or written, else the recording. */
+  /** Stops what is under way: first a file being opened or written, else the measuring or the recording. */
   cancel(): void {
     const reason = new DOMException('Cancelled.', 'AbortError');
     if (this.task !== null) this.task.abort(reason);
-    else this.current?.recording?.abort(reason);
+    else (this.current?.measuring ?? this.current?.recording)?.abort(reason);
   }
 
   /** To be called when the wish, the format or the history changed. */
   wishChanged(): void {
     this.wake?.();
     const { model } = this.store.value;
+    if (model?.measurement.kind !== 'running') this.current?.measuring?.abort(new DOMException('Superseded.', 'AbortError'));
     if (this.current !== null && model?.history.kind === 'none' && model.wantedTriangles !== model.source.triangles) {
       void this.record(this.current);
     }
@@ -100,6 +103,43 @@ export class Session {
       save(new Blob([bytes as Uint8Array<ArrayBuffer>], { type: MIME_TYPES[outputFormat] }), fileName);
       this.store.update((state) => transitions.remarked(state, `Saved ${fileName}.`));
     });
+  }
+
+  /** Measures the level on screen. */
+  async measure(): Promise<void> {
+    const { model } = this.store.value;
+    const open = this.current;
+    if (model === null || open === null || open.measuring !== null || !transitions.canMeasure(model)) return;
+    const measuring = new AbortController();
+    open.measuring = measuring;
+    const update = (transition: (state: State) => State): void => {
+      if (this.current === open && !measuring.signal.aborted) this.store.update(transition);
+    };
+    update((state) => transitions.measuringProgressed(state, 0));
+    try {
+      // Recording may have left the document at another level.
+      const wanted = model.wantedTriangles;
+      await open.document.level(wanted === model.source.triangles ? {} : { triangles: wanted });
+      const deviation = await open.document.measure({
+        signal: measuring.signal,
+        onProgress: (fraction) => update((state) => transitions.measuringProgressed(state, fraction)),
+      });
+      update((state) => transitions.measuringEnded(state, deviation, describeDeviation(deviation)));
+    } catch (error) {
+      const cancelled = measuring.signal.aborted;
+      if (this.current !== open) return;
+      if (cancelled) {
+        // A new wish has ended it already, and goes on to what it asks for.
+        if (this.store.value.model?.measurement.kind !== 'running') return;
+        this.store.update((state) => transitions.measuringEnded(state, null, 'Cancelled measuring.'));
+      } else if (await this.reopen(open, error)) {
+        void this.record(open);
+      } else {
+        update((state) => transitions.measuringEnded(transitions.failed(state, describeError(error)), null, ''));
+      }
+    } finally {
+      if (open.measuring === measuring) open.measuring = null;
+    }
   }
 
   // --- tasks
@@ -140,9 +180,10 @@ export class Session {
       signal.throwIfAborted();
 
       this.current?.recording?.abort(new DOMException('Superseded.', 'AbortError'));
+      this.current?.measuring?.abort(new DOMException('Superseded.', 'AbortError'));
       this.current?.document.dispose();
       const { summary } = document;
-      const open: OpenDocument = { document, files, recording: null, written: null, failedKey: null, reopened: false };
+      const open: OpenDocument = { document, files, recording: null, measuring: null, written: null, failedKey: null, reopened: false };
       this.current = open;
       this.store.update((state) =>
         transitions.modelOpened(state, {
@@ -332,6 +373,12 @@ async function fetchReference(reference: string, address: URL, signal: AbortSign
     signal.throwIfAborted();
     return [];
   }
+}
+
+/** What the live region says of a measurement. */
+function describeDeviation({ max, mean, relativeTo }: { max: number; mean: number; relativeTo: number }): string {
+  const share = (value: number): string => formatShare(relativeTo > 0 ? value / relativeTo : 0);
+  return `Measured: ${share(max)} of the diagonal at most, ${share(mean)} on average.`;
 }
 
 /** Any failure as a notice: ours keep their code and place, others are named as what they are. */

@@ -37,6 +37,21 @@ export type History =
   | { readonly kind: 'recording'; readonly fraction: number }
   | { readonly kind: 'ready'; readonly fewestTriangles: number };
 
+/** Measured distances between the level and the original, in model units, both ways together. */
+export interface Deviation {
+  readonly max: number;
+  readonly mean: number;
+  readonly rms: number;
+  /** Diagonal of the original's bounding box. */
+  readonly relativeTo: number;
+}
+
+/** Whether the level that the slider asks for has been measured; another wish makes it `none` again. */
+export type Measurement =
+  | { readonly kind: 'none' }
+  | { readonly kind: 'running'; readonly fraction: number }
+  | { readonly kind: 'done'; readonly deviation: Deviation };
+
 /** The size of the file that Download would save, and what it was measured for. */
 export interface Output {
   readonly format: OutputFormat;
@@ -64,6 +79,7 @@ export interface Model {
   /** The wish that `shown` answers; its count may differ from the wish by a triangle or two. */
   readonly shownFor: number;
   readonly output: Output | null;
+  readonly measurement: Measurement;
   readonly undo: readonly number[];
   readonly redo: readonly number[];
   /** The gesture of the last move: moves of one drag are undone together. */
@@ -120,6 +136,10 @@ const withModel = (state: State, change: (model: Model) => Model): State => {
   return model === state.model ? state : { ...state, model };
 };
 
+/** What was measured for another wish is no answer to this one. */
+const withWish = (model: Model, wantedTriangles: number): Model =>
+  model.wantedTriangles === wantedTriangles ? model : { ...model, wantedTriangles, measurement: { kind: 'none' } };
+
 // --- opening
 
 export const taskStarted = (state: State, task: Task): State => ({ ...state, task, notice: null });
@@ -147,6 +167,7 @@ export const modelOpened = (
     shown: { triangles: opened.source.triangles, vertices: opened.source.vertices, estimatedError: 0 },
     shownFor: opened.source.triangles,
     output: null,
+    measurement: { kind: 'none' },
     undo: [],
     redo: [],
     gesture: -1,
@@ -161,7 +182,11 @@ export const noticeDismissed = (state: State): State => ({ ...state, notice: nul
 // --- simplifying
 
 export const recordingProgressed = (state: State, fraction: number): State =>
-  withModel(state, (model) => ({ ...model, history: { kind: 'recording', fraction: clamp(fraction, 0, 1) } }));
+  withModel(state, (model) => ({
+    ...model,
+    history: { kind: 'recording', fraction: clamp(fraction, 0, 1) },
+    measurement: { kind: 'none' },
+  }));
 
 export const recordingEnded = (state: State, remark: string): State => ({
   ...withModel(state, (model) => ({ ...model, history: { kind: 'none' } })),
@@ -171,9 +196,8 @@ export const recordingEnded = (state: State, remark: string): State => ({
 /** Levels down to `fewestTriangles` can be had; a wish for fewer becomes that. */
 export const historyReady = (state: State, fewestTriangles: number): State =>
   withModel({ ...state, remark: '' }, (model) => ({
-    ...model,
+    ...withWish(model, clamp(model.wantedTriangles, fewestTriangles, model.source.triangles)),
     history: { kind: 'ready', fewestTriangles },
-    wantedTriangles: clamp(model.wantedTriangles, fewestTriangles, model.source.triangles),
   }));
 
 /** The level that answers the wish for `shownFor` triangles is on screen. */
@@ -184,6 +208,20 @@ export const levelShown = (state: State, shown: Level, shownFor: number): State 
 export const modelDrawn = (state: State): State => withModel(state, (model) => ({ ...model, drawn: true }));
 
 export const outputMeasured = (state: State, output: Output): State => withModel(state, (model) => ({ ...model, output }));
+
+// --- measuring
+
+/** Whether the level on screen can be measured now. */
+export const canMeasure = (model: Model): boolean => model.history.kind === 'ready' && isSettled(model);
+
+export const measuringProgressed = (state: State, fraction: number): State =>
+  withModel({ ...state, remark: '' }, (model) => ({ ...model, measurement: { kind: 'running', fraction: clamp(fraction, 0, 1) } }));
+
+export const measuringEnded = (state: State, deviation: Deviation | null, remark: string): State =>
+  withModel({ ...state, remark }, (model) => ({
+    ...model,
+    measurement: deviation === null ? { kind: 'none' } : { kind: 'done', deviation },
+  }));
 
 // --- the slider
 
@@ -198,7 +236,7 @@ export const targetMoved = (state: State, triangles: number, gesture: number): S
     if (!Number.isFinite(wantedTriangles) || wantedTriangles === model.wantedTriangles) return model;
     const continues = gesture === model.gesture;
     const undo = continues ? model.undo : [...model.undo, model.wantedTriangles].slice(-UNDO_LIMIT);
-    return { ...model, wantedTriangles, undo, redo: [], gesture };
+    return { ...withWish(model, wantedTriangles), undo, redo: [], gesture };
   });
 
 export const undone = (state: State): State =>
@@ -206,8 +244,7 @@ export const undone = (state: State): State =>
     const wantedTriangles = model.undo.at(-1);
     if (wantedTriangles === undefined) return model;
     return {
-      ...model,
-      wantedTriangles: Math.max(wantedTriangles, fewestTriangles(model)),
+      ...withWish(model, Math.max(wantedTriangles, fewestTriangles(model))),
       undo: model.undo.slice(0, -1),
       redo: [...model.redo, model.wantedTriangles],
       gesture: -1,
@@ -219,8 +256,7 @@ export const redone = (state: State): State =>
     const wantedTriangles = model.redo.at(-1);
     if (wantedTriangles === undefined) return model;
     return {
-      ...model,
-      wantedTriangles: Math.max(wantedTriangles, fewestTriangles(model)),
+      ...withWish(model, Math.max(wantedTriangles, fewestTriangles(model))),
       undo: [...model.undo, model.wantedTriangles],
       redo: model.redo.slice(0, -1),
       gesture: -1,
@@ -240,8 +276,11 @@ export const remarked = (state: State, remark: string): State => ({ ...state, re
 
 // --- derived
 
-/** Whether something is under way that Cancel would stop. */
+/** Whether something is under way that the panel's Cancel would stop. */
 export const isBusy = (state: State): boolean => state.task !== null || state.model?.history.kind === 'recording';
+
+/** Whether there is anything that Escape would stop. */
+export const canCancel = (state: State): boolean => isBusy(state) || state.model?.measurement.kind === 'running';
 
 /** Whether the level on screen is the one the slider asks for. */
 export const isSettled = (model: Model): boolean => model.shownFor === model.wantedTriangles;
@@ -261,6 +300,7 @@ export const statusText = (state: State): string => {
   if (model.history.kind === 'recording') return `Simplifying ${model.name}…`;
   const count = (triangles: number): string => triangles.toLocaleString('en');
   if (model.history.kind === 'ready' && !isSettled(model)) return `Going to ${count(model.wantedTriangles)} triangles…`;
+  if (model.measurement.kind === 'running') return `Measuring ${model.name}…`;
   if (state.remark !== '') return state.remark;
   if (!model.drawn) return `Drawing ${model.name}…`;
   if (model.history.kind === 'none') return `${model.name} is open.`;

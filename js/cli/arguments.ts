@@ -16,6 +16,8 @@ export interface Job {
   /** Options that were given but have no effect yet. */
   readonly ignored: readonly string[];
   readonly json: boolean;
+  /** Whether the deviation is to be measured. */
+  readonly measure: boolean;
 }
 
 /** What the user asked for. */
@@ -43,11 +45,12 @@ Output:
   -o, --output FILE    replaced only when all went well; never the input itself
   -d, --directory DIR  INPUT.glb, or .obj for OBJ input
   --compress none      the only encoding yet
+  --measure            measure how far the result is from the original, both ways, and report it
   --json               a report on standard output: an object, or an array of them for several inputs
   -h, --help           this text
   --version            the version
 
-Not supported yet: --size, --lods, --quantize, --measure, --compress meshopt|draco.
+Not supported yet: --size, --lods, --quantize, --compress meshopt|draco.
 
 Exit codes: 0 done, also when a target could not be reached (the report's stopReason says so); 1 a fault of this
 program; 2 wrong usage; 3 unreadable or invalid input; 4 could not write. With many inputs the others go on when one
@@ -94,7 +97,7 @@ export function readArguments(args: readonly string[]): Command {
   if (values.version) return { action: 'version' };
   refuseUnsupported(values);
   if (inputs.length === 0) throw usage('INPUT', 'name a file; see decimesh --help');
-  const { output, directory, json = false } = values;
+  const { output, directory, json = false, measure = false } = values;
   if (output !== undefined && directory !== undefined) throw usage('-o, -d', 'name one of the two');
   if (output !== undefined && inputs.length > 1) throw usage('-o', 'takes one input; use -d DIR for several');
   if (output === undefined && directory === undefined && !json) {
@@ -103,11 +106,11 @@ export function readArguments(args: readonly string[]): Command {
   for (const [name, value] of Object.entries({ '-o': output, '-d': directory })) {
     if (value === '') throw usage(name, 'must not be empty');
   }
-  return { action: 'simplify', inputs, output, directory, json, options: simplifyOptions(values), ignored: ignored(values) };
+  return { action: 'simplify', inputs, output, directory, json, measure, options: simplifyOptions(values), ignored: ignored(values) };
 }
 
-function refuseUnsupported({ size, lods, quantize, measure, compress }: Values): void {
-  for (const [name, value] of Object.entries({ size, lods, quantize, measure })) {
+function refuseUnsupported({ size, lods, quantize, compress }: Values): void {
+  for (const [name, value] of Object.entries({ size, lods, quantize })) {
     if (value !== undefined && value !== false) throw usage(`--${name}`, 'is not supported yet');
   }
   if (compress === undefined || compress === 'none') return;

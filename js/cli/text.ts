@@ -18,15 +18,20 @@ export function warningLine(warning: Warning, path: string): string {
 }
 
 /** What became of a file. */
-export function resultLine({ input, output, stopReason, estimatedError, timings }: Report, diagonal: number): string {
+export function resultLine({ input, output, stopReason, estimatedError, deviation, timings }: Report, diagonal: number): string {
   const count = (value: number): string => value.toLocaleString('en');
-  const seconds = (timings.read + timings.simplify + timings.write) / 1000;
-  const relative = diagonal > 0 ? ` (${((100 * estimatedError) / diagonal).toPrecision(2)} %)` : '';
+  const seconds = (timings.read + timings.simplify + timings.measure + timings.write) / 1000;
+  const percent = (value: number): string => `${((100 * value) / diagonal).toPrecision(2)} %`;
+  const shown = (value: number): string => value.toPrecision(2) + (diagonal > 0 ? ` (${percent(value)})` : '');
+  const measured =
+    deviation === null
+      ? ''
+      : `, measured deviation max ${shown(deviation.max)}, mean ${shown(deviation.mean)}, rms ${shown(deviation.rms)}`;
   const stopped = stopReason === 'constraints' ? ', no fewer without damage' : '';
   return line([
     `${input.path} → ${output.path}`,
     `${count(input.triangles)} → ${count(output.triangles)} triangles${stopped}, ${size(input.bytes)} → ` +
-      `${size(output.bytes)}, estimated error ${estimatedError.toPrecision(2)}${relative}, ${seconds.toFixed(1)} s`,
+      `${size(output.bytes)}, estimated error ${shown(estimatedError)}${measured}, ${seconds.toFixed(1)} s`,
   ]);
 }
 

@@ -5,11 +5,13 @@ import { DecimeshError, errorFromData, invalidArgument } from '../errors.js';
 import { isFile, listFiles, loadFiles } from '../files.js';
 import { RUN_NAMES, checkNames, checkSignal } from '../options.js';
 import type { NodeWorker } from '../platform.js';
+import type { Deviation } from '../report.js';
 import type {
   DocumentInput,
   DocumentSummary,
   LevelGeometry,
   LevelSummary,
+  MeasureOptions,
   MeshInput,
   RunOptions,
   SimplifiedMesh,
@@ -21,7 +23,7 @@ import { startPort, type Port } from './port.js';
 import type { Answer, AnsweredRequest, AnswerTo, Reply, Request } from './protocol.js';
 
 export { DecimeshError } from '../errors.js';
-export type { Report } from '../report.js';
+export type { Deviation, Report, SideDeviation } from '../report.js';
 export type * from '../types.js';
 export type { Written };
 
@@ -257,6 +259,13 @@ export class DocumentProxy {
     return (await this.#connection.request({ type: 'level', document: this.#number(), targets })).level;
   }
 
+  /** As `Document.measure`; an abort rejects at once. */
+  async measure(options: MeasureOptions & RunOptions = {}): Promise<Deviation> {
+    const [measureOptions, runOptions] = splitOptions(options);
+    const request = { type: 'measure', document: this.#number(), options: measureOptions } as const;
+    return (await this.#connection.request(request, runOptions)).deviation;
+  }
+
   /** As `Document.geometry`; the arrays are moved, not copied. */
   async geometry(): Promise<LevelGeometry> {
     return (await this.#connection.request({ type: 'geometry', document: this.#number() })).geometry;
@@ -294,7 +303,7 @@ function checkRunOptions(options: RunOptions): void {
 }
 
 // Callbacks and signals cannot be posted; the rest is checked in the worker.
-function splitOptions(options: SimplifyOptions & RunOptions): [SimplifyOptions, RunOptions] {
+function splitOptions<Options extends RunOptions>(options: Options): [Omit<Options, keyof RunOptions>, RunOptions] {
   if (typeof options !== 'object' || options === null) throw invalidArgument('options', 'must be an object');
   const { onProgress, signal, ...rest } = options;
   const run: RunOptions = { onProgress, signal };

@@ -8,10 +8,12 @@
 import type { ErrorData } from '../errors.js';
 import type { LoadedFile } from '../files.js';
 import type { Written } from '../document.js';
+import type { Deviation } from '../report.js';
 import type {
   DocumentSummary,
   LevelGeometry,
   LevelSummary,
+  MeasureOptions,
   MeshInput,
   SimplifiedMesh,
   SimplifyOptions,
@@ -40,6 +42,14 @@ export interface LevelRequest {
   readonly id: number;
   readonly document: number;
   readonly targets: Targets;
+}
+
+/** Measures the selected level against the original. Answered by {@link MeasuredReply}. */
+export interface MeasureRequest {
+  readonly type: 'measure';
+  readonly id: number;
+  readonly document: number;
+  readonly options: MeasureOptions;
 }
 
 /** Asks for the selected level's arrays. Answered by {@link GeometryReply}. */
@@ -88,6 +98,7 @@ export interface DisposeRequest {
 export type AnsweredRequest =
   | OpenRequest
   | SimplifyRequest
+  | MeasureRequest
   | LevelRequest
   | GeometryRequest
   | WriteRequest
@@ -110,6 +121,13 @@ export interface LevelReply {
   readonly type: 'level';
   readonly id: number;
   readonly level: LevelSummary;
+}
+
+/** The level was measured. */
+export interface MeasuredReply {
+  readonly type: 'measured';
+  readonly id: number;
+  readonly deviation: Deviation;
 }
 
 /** Its arrays are transferred. */
@@ -161,7 +179,14 @@ export interface ProgressReply {
 }
 
 /** Replies that a request is answered by when it succeeds. */
-export type Answer = Opened | LevelReply | GeometryReply | WrittenReply | SimplifiedReply | ExternalFilesReply;
+export type Answer =
+  | Opened
+  | LevelReply
+  | MeasuredReply
+  | GeometryReply
+  | WrittenReply
+  | SimplifiedReply
+  | ExternalFilesReply;
 
 /** From the worker to the client. */
 export type Reply = Answer | FailedReply | CancelledReply | ProgressReply;
@@ -170,6 +195,7 @@ export type Reply = Answer | FailedReply | CancelledReply | ProgressReply;
 export interface AnswerTo {
   open: Opened;
   simplify: LevelReply;
+  measure: MeasuredReply;
   level: LevelReply;
   geometry: GeometryReply;
   write: WrittenReply;

@@ -57,6 +57,10 @@ export class Session {
         const document = this.#document(request.document);
         return { type: 'level', id, level: await document.simplify({ ...request.options, signal, onProgress }) };
       }
+      case 'measure': {
+        const document = this.#document(request.document);
+        return { type: 'measured', id, deviation: await document.measure({ ...request.options, signal, onProgress }) };
+      }
       case 'level':
         return { type: 'level', id, level: await this.#document(request.document).level(request.targets) };
       case 'geometry':

@@ -9,6 +9,7 @@ pub mod validity;
 use std::collections::{BTreeMap, BTreeSet};
 
 use decimesh::collapse_sequence::CollapseSequence;
+use decimesh::deviation::{Deviation, DeviationOptions, SideDeviation, measure};
 use decimesh::lod::{self, Level, LevelMesh};
 use decimesh::mesh::{Attribute, Blend, Mesh};
 
@@ -241,6 +242,29 @@ pub fn check_all_levels(name: &str, mesh: &Mesh, sequence: &CollapseSequence, cl
         check_level(name, mesh, &level, closed);
     }
 }
+
+/// A bumpy plate against a flat one of other vertices: no simplifier and no platform's sine in it.
+pub fn measured_plates() -> Deviation {
+    let (bumpy, mut flat) = (plate(24, 0.3), plate(17, 0.0));
+    flat.positions.iter_mut().for_each(|p| *p = [p[0] * 1.375, p[1] * 1.40625, 0.0625]);
+    let options = DeviationOptions { sample_count: 20_000, vertex_distances: true };
+    measure(&bumpy, &flat, &options).unwrap()
+}
+
+/// FNV-1a over the bits of every figure.
+pub fn fingerprint_of(deviation: &Deviation) -> u64 {
+    let side = |side: SideDeviation| [side.max, side.mean, side.rms, side.samples as f64];
+    let figures = [deviation.max, deviation.mean, deviation.rms, deviation.diagonal]
+        .into_iter()
+        .chain(side(deviation.original_to_simplified))
+        .chain(side(deviation.simplified_to_original))
+        .chain(deviation.vertex_distances.iter().map(|&d| d.into()));
+    figures.fold(0xcbf2_9ce4_8422_2325, |hash, f| (hash ^ f.to_bits()).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// [`measured_plates`]: the same native and in every browser, with and without SIMD. Changes with
+/// the sequence of samples, and only then.
+pub const MEASURED_PLATES: u64 = 8_302_254_431_172_482_800;
 
 /// FNV-1a over the bits of positions and triangles.
 pub fn fingerprint(mesh: &Mesh) -> u64 {

@@ -29,6 +29,7 @@ export interface Actions {
   changeView(change: Partial<View>): void;
   chooseFormat(format: OutputFormat): void;
   download(): void;
+  measure(): void;
 }
 
 export function App({ state, actions }: { readonly state: State; readonly actions: Actions }) {
@@ -100,7 +101,13 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
             onChange={actions.moveTarget}
           />
           <div class="panel-foot">
-            <MeshStats model={model} pending={!settled} outputCurrent={outputCurrent} />
+            <MeshStats
+              model={model}
+              pending={!settled}
+              outputCurrent={outputCurrent}
+              onMeasure={actions.measure}
+              onCancel={actions.cancel}
+            />
             <Download
               format={state.outputFormat}
               busy={state.task?.kind === 'writing'}

@@ -1,7 +1,8 @@
 // What the file was and what it has become: counts, size and error, side by side.
 import type { ComponentChildren } from 'preact';
-import { formatBytes, formatCount, formatLength, formatShare } from '../../format.ts';
+import { formatBytes, formatCount, formatShare } from '../../format.ts';
 import type { Model } from '../../state.ts';
+import { ErrorFigure } from '../error-figure/error-figure.tsx';
 import './mesh-stats.css';
 
 interface MeshStatsProps {
@@ -10,9 +11,11 @@ interface MeshStatsProps {
   readonly pending: boolean;
   /** Whether the size belongs to what is wanted now. */
   readonly outputCurrent: boolean;
+  onMeasure(): void;
+  onCancel(): void;
 }
 
-export function MeshStats({ model, pending, outputCurrent }: MeshStatsProps) {
+export function MeshStats({ model, pending, outputCurrent, onMeasure, onCancel }: MeshStatsProps) {
   const { source, shown, output } = model;
   return (
     <dl class="mesh-stats">
@@ -25,15 +28,7 @@ export function MeshStats({ model, pending, outputCurrent }: MeshStatsProps) {
         change={output === null ? null : output.bytes / source.bytes}
         pending={!outputCurrent}
       />
-      <div class={pending ? 'figure pending' : 'figure'}>
-        <dt>
-          <abbr title="Estimated from the simplification itself, not measured; relative to the bounding box’s diagonal">Estimated error</abbr>
-        </dt>
-        <dd>
-          <span class="after">{formatShare(source.diagonal > 0 ? shown.estimatedError / source.diagonal : 0)}</span>
-          <span class="before">{formatLength(shown.estimatedError)} units</span>
-        </dd>
-      </div>
+      <ErrorFigure model={model} pending={pending} onMeasure={onMeasure} onCancel={onCancel} />
     </dl>
   );
 }
