@@ -5,7 +5,9 @@
 //! is an ear if it is convex and no other corner lies in or on its triangle; "on" keeps collinear
 //! corners, which exporters leave at T-junctions, from ending up in triangles without area.
 
-use super::grid::Grid;
+mod grid;
+
+use grid::Grid;
 
 /// What a triangulation costs and yields; buffers are reused from polygon to polygon.
 #[derive(Debug)]
