@@ -2,6 +2,7 @@
 
 import { DecimeshError, invalidArgument } from './errors.js';
 import { EngineObject, callEngine, init } from './engine.js';
+import { isOutputFormat, OUTPUT_FORMATS, usualFormat } from './formats.js';
 import { listFiles, loadFiles, type LoadedFile } from './files.js';
 import { RUN_NAMES, SIMPLIFY_NAMES, checkNames, checkSignal, resolveRequest, resolveTargets } from './options.js';
 import { makeReport, type Report } from './report.js';
@@ -15,6 +16,7 @@ import type {
   RunOptions,
   SimplifyOptions,
   Targets,
+  Warning,
   WriteOptions,
 } from './types.js';
 import type { Model } from './wasm/decimesh.js';
@@ -27,7 +29,8 @@ export interface Written {
 }
 
 /**
- * Opens a model: glTF (.glb, .gltf with its files) or OBJ. Loads the engine if that is still to be done.
+ * Opens a model: glTF (.glb, .gltf with its files), OBJ (with its .mtl and textures), PLY, STL, OFF or SMF, told by
+ * their content. Loads the engine if that is still to be done.
  *
  * Rejects with a {@link DecimeshError} naming the place in the file, or with the signal's reason.
  */
@@ -56,7 +59,9 @@ export function openFiles(files: readonly LoadedFile[]): Document {
 }
 
 /**
- * The addresses of files that a .gltf or .glb needs beside itself, as it names them; empty for other content.
+ * The addresses of files that a model names beside itself, as it names them: buffers and images of a glTF, material
+ * libraries of an OBJ, the texture of a PLY; and the images that such a library (.mtl) names, relative to it. Empty for
+ * other content.
  *
  * Needs the engine to be loaded. Never fails on bad content: opening it will say what is wrong.
  */
@@ -197,7 +202,8 @@ export class Document {
     const bytes = this.#model.call((model) => model.write(format)) as Uint8Array<ArrayBuffer>;
     const timings = { ...this.#timings, write: performance.now() - start, measure: 0 };
     const output = { format, bytes: bytes.byteLength };
-    return { bytes, report: makeReport({ summary: this.summary, level: this.#level, output, timings }) };
+    const losses = JSON.parse(this.#model.call((model) => model.losses(format))) as Warning[];
+    return { bytes, report: makeReport({ summary: this.summary, level: this.#level, output, timings, losses }) };
   }
 
   /** Frees the document's memory; a simplification that runs rejects with `disposed`. May be called twice. */
@@ -213,8 +219,8 @@ export class Document {
 
 function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): OutputFormat {
   checkNames(options, ['format', 'compress']);
-  const { format = summary.format === 'obj' ? 'obj' : 'glb', compress = 'none' } = options;
-  if (format !== 'glb' && format !== 'obj') throw invalidArgument('format', "must be 'glb' or 'obj'");
+  const { format = usualFormat(summary.format), compress = 'none' } = options;
+  if (!isOutputFormat(format)) throw invalidArgument('format', `must be one of ${OUTPUT_FORMATS.join(', ')}`);
   if (compress !== 'none') {
     throw new DecimeshError('unsupported', `compression '${String(compress)}' is not supported yet`, 'compress');
   }

@@ -51,10 +51,12 @@ export interface ReportParts {
   readonly level: LevelSummary | undefined;
   readonly output: { readonly format: OutputFormat; readonly bytes: number };
   readonly timings: Timings;
+  /** What the output format cannot hold. */
+  readonly losses: readonly Warning[];
 }
 
 /** Puts a report together; both paths are null, for the caller to fill in. */
-export function makeReport({ summary, level, output, timings }: ReportParts): Report {
+export function makeReport({ summary, level, output, timings, losses }: ReportParts): Report {
   const { format, bytes, triangles, vertices, meshes, warnings } = summary;
   return {
     input: { path: null, format, bytes, triangles, vertices, meshes },
@@ -70,6 +72,6 @@ export function makeReport({ summary, level, output, timings }: ReportParts): Re
     estimatedError: level?.estimatedError ?? 0,
     deviation: null,
     timings,
-    warnings,
+    warnings: [...warnings, ...losses],
   };
 }

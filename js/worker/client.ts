@@ -21,6 +21,7 @@ import { startPort, type Port } from './port.js';
 import type { Answer, AnsweredRequest, AnswerTo, Reply, Request } from './protocol.js';
 
 export { DecimeshError } from '../errors.js';
+export { OUTPUT_FORMATS, usualFormat } from '../formats.js';
 export type { Report } from '../report.js';
 export type * from '../types.js';
 export type { Written };
