@@ -84,16 +84,19 @@ impl Faces {
     }
 
     /// The number of a normal for [`Corner::normal`].
+    #[inline(never)]
     pub(super) fn normal(&mut self, value: [f32; 3]) -> u32 {
         self.normals.number(value.map(f32::to_bits)) + 1
     }
 
     /// The number of a texture coordinate for [`Corner::texcoord`].
+    #[inline(never)]
     pub(super) fn texcoord(&mut self, value: [f32; 2]) -> u32 {
         self.texcoords.number(value.map(f32::to_bits)) + 1
     }
 
     /// The number of a colour (RGBA) for [`Corner::color`].
+    #[inline(never)]
     pub(super) fn color(&mut self, value: [f32; 4]) -> u32 {
         self.colors.number(value.map(f32::to_bits)) + 1
     }
@@ -112,8 +115,8 @@ impl Faces {
     ///
     /// # Errors
     /// `out-of-range` for a vertex that there is not.
-    #[inline]
-    pub(super) fn polygon(&mut self, corners: &[Corner], place: impl Fn() -> String) -> Result<(), Error> {
+    #[inline(never)]
+    pub(super) fn polygon(&mut self, corners: &[Corner], place: &dyn Fn() -> String) -> Result<(), Error> {
         let count = self.positions.len();
         for corner in corners {
             if corner.vertex as usize >= count {
@@ -148,7 +151,7 @@ impl Faces {
         self.wedges = Some(wedges);
     }
 
-    fn larger_polygon(&mut self, corners: &[Corner], place: impl Fn() -> String) {
+    fn larger_polygon(&mut self, corners: &[Corner], place: &dyn Fn() -> String) {
         if corners.len() < 3 {
             self.notices.count("face-too-small", "faces with fewer than three corners left out", place);
             return;
@@ -173,13 +176,13 @@ impl Faces {
         let (pieces, is_regular) = self.triangulator.triangulate(&self.points);
         if !is_regular {
             let text = "polygons that cross themselves or are too intricate triangulated roughly";
-            self.notices.count("polygon-not-simple", text, &place);
+            self.notices.count("polygon-not-simple", text, place);
         }
         for &[a, b, c] in pieces {
             let points = &self.points;
             if points[a] == points[b] || points[b] == points[c] || points[c] == points[a] {
                 let text = "triangles with coinciding corners left out of polygons";
-                self.notices.count("degenerate-triangle", text, &place);
+                self.notices.count("degenerate-triangle", text, place);
             } else {
                 let wedges = &mut self.wedges;
                 self.triangles.push([a, b, c].map(|corner| wedge_of(wedges, self.corners[corner])));
@@ -263,7 +266,7 @@ impl Faces {
         self.wedges = Some(rows);
         self.color_blend = Blend::Linear;
         let text = "file whose faces nearly all differ in colour; vertices have the mean of theirs";
-        self.notices.count("face-colors-blended", text, || file.to_owned());
+        self.notices.count("face-colors-blended", text, &|| file.to_owned());
     }
 
     /// The wedges' positions and attributes: what the corners say, else what their vertices say.
@@ -302,7 +305,7 @@ impl Faces {
     }
 }
 
-#[inline]
+#[inline(never)]
 fn wedge_of(wedges: &mut Option<RowTable<4>>, corner: Corner) -> u32 {
     match wedges {
         None => corner.vertex,

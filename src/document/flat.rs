@@ -29,8 +29,8 @@ impl FlatMesh {
     /// `mesh` as placed by `layout`.
     ///
     /// # Errors
-    /// `not-finite` if a placement moves a vertex beyond the range of `f32`; `too-large` beyond
-    /// four billion vertices.
+    /// `not-finite` if a placement moves a vertex beyond the range of `f32`; `no-triangles` if the
+    /// scene shows none; `too-large` beyond four billion vertices.
     pub(super) fn new(mesh: &Mesh, layout: &SceneLayout) -> Result<Self, Error> {
         let mut is_used = vec![false; mesh.positions.len()];
         for &wedge in mesh.triangles.iter().flatten() {
@@ -89,9 +89,14 @@ impl FlatMesh {
                 }
             }
         }
+        if flat.triangles.is_empty() && !mesh.triangles.is_empty() {
+            let message = "no triangle of the file stands in its scene";
+            return Err(Error::new(ErrorCode::NoTriangles, "instances", message));
+        }
         Ok(flat)
     }
 
+    #[inline(never)]
     fn push(&mut self, vertex: &Vertex, columns: &Columns) -> Result<u32, Error> {
         let number = u32::try_from(self.positions.len())
             .map_err(|_| Error::new(ErrorCode::TooLarge, "instances", "more than four billion vertices"))?;

@@ -18,7 +18,8 @@ struct Notice {
 
 impl Notices {
     /// Notes one more of a kind. The count goes before `text` in the warning.
-    pub(super) fn count(&mut self, code: &'static str, text: &'static str, place: impl FnOnce() -> String) {
+    #[inline(never)]
+    pub(super) fn count(&mut self, code: &'static str, text: &'static str, place: &dyn Fn() -> String) {
         match self.met.iter_mut().find(|notice| notice.code == code) {
             Some(notice) => notice.count += 1,
             None => self.met.push(Notice { code, text, count: 1, first: place() }),

@@ -49,6 +49,7 @@ impl Triangulator {
     /// `corners.len() - 2` triangles of corner numbers, wound as the polygon is, and whether all of
     /// them were found by the rules, which holds for polygons that do not cross themselves. At
     /// least three corners.
+    #[inline(never)]
     pub(super) fn triangulate(&mut self, corners: &[[f32; 3]]) -> (&[[usize; 3]], bool) {
         self.triangles.clear();
         let regular = match corners.len() {

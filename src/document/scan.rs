@@ -175,10 +175,15 @@ impl<'a> Scanner<'a> {
         parse_slowly(self.word())
     }
 
+    /// [`Scanner::number`] as a call, for where speed is not all: inlined it is large.
+    #[inline(never)]
+    pub(super) fn next_number(&mut self) -> Result<f32, Fault> {
+        self.number()
+    }
+
     /// As [`Scanner::number`], but NaN for what is not finite.
-    #[inline]
     pub(super) fn number_or_nan(&mut self) -> Result<f32, Fault> {
-        match self.number() {
+        match self.next_number() {
             Err(Fault::NotFinite) => Ok(f32::NAN),
             result => result,
         }
@@ -186,7 +191,7 @@ impl<'a> Scanner<'a> {
 
     /// The next word as an integer that `f64` holds exactly; any other number is taken too, since
     /// some programs write `255.0` for it.
-    #[inline]
+    #[inline(never)]
     pub(super) fn integer(&mut self) -> Result<f64, Fault> {
         self.skip_blanks();
         let start = self.at;
@@ -204,7 +209,7 @@ impl<'a> Scanner<'a> {
             return Ok(if negative { -magnitude } else { magnitude });
         }
         self.at = start;
-        self.number().map(f64::from)
+        self.next_number().map(f64::from)
     }
 
     /// Steps over a word; `Missing` at the end of the line.
@@ -218,7 +223,7 @@ impl<'a> Scanner<'a> {
     }
 
     /// Moves to the next line that has more than blanks and a comment; a line with words is not left.
-    #[inline]
+    #[inline(never)]
     pub(super) fn skip_blank_lines(&mut self) {
         loop {
             self.skip_blanks();

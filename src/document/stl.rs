@@ -105,8 +105,8 @@ impl Corners {
     }
 
     /// The vertex at `point`; 0 and -0 are one place.
-    #[inline]
-    fn vertex(&mut self, faces: &mut Faces, point: [f32; 3], place: impl Fn() -> String) -> Result<u32, Error> {
+    #[inline(never)]
+    fn vertex(&mut self, faces: &mut Faces, point: [f32; 3], place: &dyn Fn() -> String) -> Result<u32, Error> {
         if !point.iter().all(|c| c.is_finite()) {
             return Err(Error::new(ErrorCode::NotFinite, place(), "a coordinate is not a finite number"));
         }

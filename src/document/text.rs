@@ -40,6 +40,7 @@ impl Text {
     }
 
     /// Further numbers in the open line, each as the shortest text that reads back the same.
+    #[inline(never)]
     pub(super) fn more_numbers(&mut self, values: &[f32]) {
         for &value in values {
             let digits = self.float.format_finite(value);

@@ -117,26 +117,41 @@ fn colours_are_linear_in_gltf_alone() {
     }
 }
 
+/// A GLB with other nodes, of which those in `shown` are in its scene.
+fn with_nodes(glb: &[u8], nodes: serde_json::Value, shown: serde_json::Value) -> Vec<u8> {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let mut tree: serde_json::Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+    tree["nodes"] = nodes;
+    tree["scenes"][0] = serde_json::json!({ "nodes": shown });
+    let mut json = tree.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let rest = &glb[20 + length..];
+    let mut out = b"glTF\x02\0\0\0".to_vec();
+    out.extend(((20 + json.len() + rest.len()) as u32).to_le_bytes());
+    out.extend((json.len() as u32).to_le_bytes());
+    out.extend(b"JSON");
+    out.extend(&json);
+    out.extend(rest);
+    out
+}
+
+#[test]
+fn a_scene_that_shows_nothing_makes_no_file() {
+    let bytes = write(&open(write(&source(Format::Ply), Format::Glb)), Format::Glb);
+    let hidden = open(with_nodes(&bytes, serde_json::json!([{}]), serde_json::json!([0])));
+    for format in [Format::Ply, Format::Stl, Format::Off, Format::Smf] {
+        let error = hidden.write(hidden.mesh(), format).unwrap_err();
+        assert_eq!(error.code(), decimesh::ErrorCode::NoTriangles, "{format:?}");
+    }
+}
+
 #[test]
 fn placed_and_mirrored_parts_of_a_scene_are_written_where_they_stand() {
     let glb = open(write(&source(Format::Ply), Format::Glb));
     let bytes = write(&glb, Format::Glb);
     // The same mesh again, mirrored and moved.
-    let text = String::from_utf8_lossy(&bytes[20..20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize])
-        .into_owned();
-    let mut tree: serde_json::Value = serde_json::from_str(text.trim_end()).unwrap();
-    tree["nodes"] = serde_json::json!([{ "mesh": 0 }, { "mesh": 0, "scale": [-1, 1, 1], "translation": [10, 0, 0] }]);
-    tree["scenes"][0]["nodes"] = serde_json::json!([0, 1]);
-    let mut json = tree.to_string().into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let rest = &bytes[20 + text.len()..];
-    let mut scene = b"glTF\x02\0\0\0".to_vec();
-    scene.extend(((20 + json.len() + rest.len()) as u32).to_le_bytes());
-    scene.extend((json.len() as u32).to_le_bytes());
-    scene.extend(b"JSON");
-    scene.extend(&json);
-    scene.extend(rest);
-    let scene = open(scene);
+    let nodes = serde_json::json!([{ "mesh": 0 }, { "mesh": 0, "scale": [-1, 1, 1], "translation": [10, 0, 0] }]);
+    let scene = open(with_nodes(&bytes, nodes, serde_json::json!([0, 1])));
     let one = points(glb.mesh());
     for format in [Format::Ply, Format::Stl, Format::Off, Format::Smf] {
         let flat = open(write(&scene, format));

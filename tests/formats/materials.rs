@@ -92,6 +92,11 @@ fn libraries_of_any_content_are_borne() {
         let document = Document::open(files).unwrap();
         open(write(&document, Format::Glb));
     }
+    let utf16: Vec<u8> = [0xFF, 0xFE].into_iter().chain(MTL.encode_utf16().flat_map(u16::to_le_bytes)).collect();
+    let document = Document::open(vec![file("a.obj", OBJ), file("a.mtl", utf16)]).unwrap();
+    assert_eq!(document.layout().materials.list.len(), 2);
+    let libraries: String = (0..1000).map(|i| format!("mtllib {i}.mtl\n")).collect();
+    assert!(open(format!("{libraries}{OBJ}")).warnings().len() < 30);
     let many: String = (0..100_000).map(|i| format!("newmtl m{i}\n")).collect();
     open(write(&Document::open(vec![file("a.obj", OBJ), file("a.mtl", many)]).unwrap(), Format::Glb));
 }

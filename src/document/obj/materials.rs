@@ -12,12 +12,18 @@
 //! Colours are taken to be sRGB, as in most files. The rest has no counterpart and is left out
 //! without a word: an OBJ file that is written still names its libraries.
 
+use std::borrow::Cow;
+
 use crate::document::NamedFile;
 use crate::document::color::to_linear;
 use crate::document::lookup::find_file;
 use crate::document::material::{Images, Material, Materials, is_grey_png, is_png_with_alpha};
 use crate::document::scan::Scanner;
+use crate::document::sniff::decode_utf16;
 use crate::error::Warning;
+
+/// Missing libraries beyond this are not told one by one.
+const MOST_WARNINGS: usize = 20;
 
 /// Materials beyond this are no library any more.
 const MOST_MATERIALS: usize = 65_536;
@@ -29,6 +35,9 @@ pub(super) fn read(files: &[NamedFile], main: usize, libraries: &[String]) -> (M
     let mut warnings = Vec::new();
     for library in libraries {
         let Some(file) = find_file(library, files, main) else {
+            if warnings.len() >= MOST_WARNINGS {
+                continue;
+            }
             warnings.push(Warning {
                 code: "missing-material-library",
                 message: format!("\"{library}\" was not given; its materials are only names"),
@@ -56,7 +65,9 @@ struct Draft {
 }
 
 fn read_library(files: &[NamedFile], file: usize, images: &mut Images<'_>, list: &mut Vec<Material>) {
-    let mut scan = Scanner::new(&files[file].bytes);
+    let bytes = &files[file].bytes;
+    let text = decode_utf16(bytes).unwrap_or(Cow::Borrowed(bytes));
+    let mut scan = Scanner::new(&text);
     let mut draft: Option<Draft> = None;
     while !scan.is_at_end() && list.len() < MOST_MATERIALS {
         scan.skip_blanks();
@@ -88,11 +99,11 @@ impl Draft {
             b"kd" => self.diffuse = color(scan).or(self.diffuse),
             b"ks" => self.specular = color(scan).unwrap_or(self.specular),
             b"ke" => material.emissive = color(scan).map_or(material.emissive, |c| c.map(to_linear)),
-            b"ns" => self.exponent = scan.number().ok().or(self.exponent),
-            b"pr" => self.roughness = scan.number().ok().map(unit).or(self.roughness),
-            b"pm" => material.metallic = scan.number().map_or(material.metallic, unit),
-            b"d" => material.base_color[3] = scan.number().map_or(material.base_color[3], unit),
-            b"tr" => material.base_color[3] = scan.number().map_or(material.base_color[3], |t| 1.0 - unit(t)),
+            b"ns" => self.exponent = scan.next_number().ok().or(self.exponent),
+            b"pr" => self.roughness = scan.next_number().ok().map(unit).or(self.roughness),
+            b"pm" => material.metallic = scan.next_number().map_or(material.metallic, unit),
+            b"d" => material.base_color[3] = scan.next_number().map_or(material.base_color[3], unit),
+            b"tr" => material.base_color[3] = scan.next_number().map_or(material.base_color[3], |t| 1.0 - unit(t)),
             b"map_kd" => material.base_color_image = map(scan, images, file),
             b"map_ke" => material.emissive_image = map(scan, images, file),
             b"map_d" => self.alpha_image = map(scan, images, file),
@@ -134,9 +145,9 @@ fn unit(value: f32) -> f32 {
 
 /// `r g b`, or `r` for grey; `None` for `spectral` and `xyz`.
 fn color(scan: &mut Scanner<'_>) -> Option<[f32; 3]> {
-    let r = scan.number().ok()?;
-    let g = scan.number().unwrap_or(r);
-    let b = scan.number().unwrap_or(g);
+    let r = scan.next_number().ok()?;
+    let g = scan.next_number().unwrap_or(r);
+    let b = scan.next_number().unwrap_or(g);
     Some([r, g, b].map(unit))
 }
 

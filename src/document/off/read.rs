@@ -146,7 +146,7 @@ impl Reader<'_> {
         let mut values = [0.0; N];
         for value in &mut values {
             self.scan.skip_blank_lines();
-            *value = self.scan.number().map_err(|fault| self.fault(fault, what))?;
+            *value = self.scan.next_number().map_err(|fault| self.fault(fault, what))?;
         }
         Ok(values)
     }
@@ -161,7 +161,7 @@ impl Reader<'_> {
             }
             let mut word = self.scan.clone();
             rest.is_integer.push(word.word().iter().all(|byte| matches!(byte, b'0'..=b'9' | b'-' | b'+')));
-            rest.values.push(self.scan.number().map_err(|fault| self.fault(fault, what))?);
+            rest.values.push(self.scan.next_number().map_err(|fault| self.fault(fault, what))?);
         }
     }
 
@@ -203,9 +203,9 @@ impl Reader<'_> {
                     let color = faces.color(color);
                     corners.iter_mut().for_each(|corner| corner.color = color);
                 }
-                _ => faces.notices.count("face-colors-ignored", "colours of faces left out", place),
+                _ => faces.notices.count("face-colors-ignored", "colours of faces left out", &place),
             }
-            faces.polygon(&corners, place)?;
+            faces.polygon(&corners, &place)?;
             self.scan.finish_line();
         }
         Ok(())

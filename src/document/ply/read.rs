@@ -176,7 +176,7 @@ fn read_vertices(
                     return Err(fail(cursor, Trouble::Text(crate::document::scan::Fault::NotFinite)));
                 }
                 let text = "values of normals, colours or texture coordinates that are no finite numbers, read as 0";
-                faces.notices.count("not-finite-attribute", text, || cursor.place(name));
+                faces.notices.count("not-finite-attribute", text, &|| cursor.place(name));
                 value = 0.0;
             }
             values[channel] = value;
@@ -212,7 +212,7 @@ fn read_vertices(
 }
 
 fn note_extra(faces: &mut Faces, cursor: &Cursor<'_>, name: &str) {
-    faces.notices.count("extra-numbers-ignored", "lines with more numbers than they take", || cursor.place(name));
+    faces.notices.count("extra-numbers-ignored", "lines with more numbers than they take", &|| cursor.place(name));
 }
 
 /// What each property of a face is for, by the property's number.
@@ -295,20 +295,20 @@ fn read_faces(
         }
         let place = || if is_text { cursor.place(name) } else { format!("{name}: {} {row}", element.name) };
         if columns.is_strip {
-            strip(&indices, faces, place)?;
+            strip(&indices, faces, &place)?;
         } else {
             let color = if has_face_colors { faces.color(color) } else { 0 };
             let has_texcoords = texcoords.len() == 2 * indices.len();
             if !has_texcoords && !texcoords.is_empty() {
                 let text = "faces whose texture coordinates are not two for each corner; they are left out";
-                faces.notices.count("mixed-corners", text, place);
+                faces.notices.count("mixed-corners", text, &place);
             }
             corners.clear();
             for (k, &index) in indices.iter().enumerate() {
                 let texcoord = if has_texcoords { faces.texcoord([texcoords[2 * k], texcoords[2 * k + 1]]) } else { 0 };
-                corners.push(Corner { vertex: vertex(index, place)?, texcoord, color, normal: 0 });
+                corners.push(Corner { vertex: vertex(index, &place)?, texcoord, color, normal: 0 });
             }
-            faces.polygon(&corners, place)?;
+            faces.polygon(&corners, &place)?;
         }
         if cursor.end_row() {
             note_extra(faces, cursor, name);
@@ -319,7 +319,7 @@ fn read_faces(
 
 /// The triangles of strips that -1 separates. Repeated indices, which turn or bridge a strip, make
 /// none.
-fn strip(indices: &[i64], faces: &mut Faces, place: impl Fn() -> String) -> Result<(), Error> {
+fn strip(indices: &[i64], faces: &mut Faces, place: &dyn Fn() -> String) -> Result<(), Error> {
     for strip in indices.split(|&index| index == -1) {
         for (at, triple) in strip.windows(3).enumerate() {
             let [a, b, c] = [triple[0], triple[1], triple[2]];
@@ -329,15 +329,15 @@ fn strip(indices: &[i64], faces: &mut Faces, place: impl Fn() -> String) -> Resu
             let winding = if at % 2 == 0 { [a, b, c] } else { [b, a, c] };
             let mut corners = [Corner::default(); 3];
             for (corner, index) in corners.iter_mut().zip(winding) {
-                corner.vertex = vertex(index, &place)?;
+                corner.vertex = vertex(index, place)?;
             }
-            faces.polygon(&corners, &place)?;
+            faces.polygon(&corners, place)?;
         }
     }
     Ok(())
 }
 
-fn vertex(index: i64, place: impl Fn() -> String) -> Result<u32, Error> {
+fn vertex(index: i64, place: &dyn Fn() -> String) -> Result<u32, Error> {
     u32::try_from(index).map_err(|_| Error::new(ErrorCode::OutOfRange, place(), format!("{index} is no vertex")))
 }
 

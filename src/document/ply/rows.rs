@@ -72,7 +72,6 @@ impl<'a> Cursor<'a> {
     }
 
     /// Leaves the row; whether there was more in it than it should have.
-    #[inline]
     pub(super) fn end_row(&mut self) -> bool {
         let Self::Text(scan, _) = self else { return false };
         scan.skip_blanks();
@@ -82,7 +81,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The next value.
-    #[inline]
+    #[inline(never)]
     pub(super) fn value(&mut self, scalar: Scalar) -> Result<f64, Trouble> {
         match self {
             Self::Text(scan, _) => {
@@ -102,7 +101,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The length of the list that comes next, checked against the bytes that are left.
-    #[inline]
+    #[inline(never)]
     pub(super) fn length(&mut self, length: Scalar, scalar: Scalar) -> Result<usize, Trouble> {
         let count = self.value(length)?;
         if count < 0.0 {

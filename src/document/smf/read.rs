@@ -116,7 +116,7 @@ impl<'a> Reader<'a> {
     fn numbers<const N: usize>(&mut self, statement: &'static str) -> Step<[f32; N]> {
         let mut values = [0.0; N];
         for value in &mut values {
-            *value = self.scan.number().map_err(|fault| (fault, statement))?;
+            *value = self.scan.next_number().map_err(|fault| (fault, statement))?;
         }
         Ok(values)
     }
@@ -239,11 +239,11 @@ impl<'a> Reader<'a> {
                     self.faces.notices.count(
                         "unknown-statement",
                         "statements with an unknown keyword left out",
-                        at_line,
+                        &at_line,
                     );
                 }
             }
-            _ => self.faces.notices.count("unknown-statement", "statements with an unknown keyword left out", at_line),
+            _ => self.faces.notices.count("unknown-statement", "statements with an unknown keyword left out", &at_line),
         }
         Ok(())
     }
@@ -263,7 +263,7 @@ impl<'a> Reader<'a> {
             b"r" if binding != Binding::Face => self.texcoords.binding = binding,
             _ => {
                 let at_line = || format!("{}:{line}", self.name);
-                self.faces.notices.count("unknown-binding", "bindings of another kind left out", at_line);
+                self.faces.notices.count("unknown-binding", "bindings of another kind left out", &at_line);
             }
         }
     }
@@ -308,7 +308,7 @@ impl<'a> Reader<'a> {
             if count < wanted || count > 0 && wanted == 0 {
                 let text =
                     "kinds of values (normals, colours or texture coordinates) that are not bound or too few left out";
-                self.faces.notices.count("values-ignored", text, || self.name.to_owned());
+                self.faces.notices.count("values-ignored", text, &|| self.name.to_owned());
                 *binding = Binding::None;
             } else if count == 0 {
                 *binding = Binding::None;
@@ -344,7 +344,7 @@ impl<'a> Reader<'a> {
             }
             corners.clear();
             corners.extend(these.iter().map(|&vertex| Corner { vertex, ..values }));
-            self.faces.polygon(&corners, || format!("{}:{line}", self.name))?;
+            self.faces.polygon(&corners, &|| format!("{}:{line}", self.name))?;
         }
         Ok(SmfSource { content: self.faces.finish(self.name)? })
     }

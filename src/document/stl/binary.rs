@@ -32,9 +32,9 @@ pub(super) fn read(file: &NamedFile) -> Result<StlSource, Error> {
         let mut triangle = [Corner { color, ..Corner::default() }; 3];
         for (corner, point) in triangle.iter_mut().zip(facet[12..48].chunks_exact(12)) {
             let coordinate = |at: usize| f32::from_le_bytes([point[at], point[at + 1], point[at + 2], point[at + 3]]);
-            corner.vertex = corners.vertex(&mut faces, [0, 4, 8].map(coordinate), place)?;
+            corner.vertex = corners.vertex(&mut faces, [0, 4, 8].map(coordinate), &place)?;
         }
-        faces.polygon(&triangle, place)?;
+        faces.polygon(&triangle, &place)?;
     }
     let mut content = faces.finish(name)?;
     let mut warn = |code, message: String| {

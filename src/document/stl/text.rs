@@ -27,7 +27,7 @@ pub(super) fn read(file: &NamedFile) -> Result<StlSource, Error> {
                 let mut point = [0.0; 3];
                 for coordinate in &mut point {
                     scan.skip_blank_lines();
-                    *coordinate = match scan.number() {
+                    *coordinate = match scan.next_number() {
                         Ok(value) => value,
                         Err(Fault::Missing) if scan.is_at_end() => {
                             return fail(ErrorCode::Truncated, "in `vertex`: the file ends here");
@@ -36,13 +36,13 @@ pub(super) fn read(file: &NamedFile) -> Result<StlSource, Error> {
                         Err(_) => return fail(ErrorCode::Syntax, "in `vertex`: not a number"),
                     };
                 }
-                let vertex = corners.vertex(&mut faces, point, place)?;
+                let vertex = corners.vertex(&mut faces, point, &place)?;
                 polygon.push(Corner { vertex, ..Corner::default() });
                 is_in_loop = true;
             }
             b"endloop" | b"endfacet" => {
                 if is_in_loop {
-                    faces.polygon(&polygon, place)?;
+                    faces.polygon(&polygon, &place)?;
                 }
                 polygon.clear();
                 is_in_loop = false;
