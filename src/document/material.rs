@@ -44,6 +44,19 @@ impl Material {
             has_alpha_image: false,
         }
     }
+
+    /// The same where images have no place.
+    pub(super) fn without_images(&self) -> Self {
+        Self {
+            base_color_image: None,
+            normal_image: None,
+            emissive_image: None,
+            has_alpha_image: false,
+            // White was to be multiplied by the image.
+            emissive: if self.emissive_image.is_some() { [0.0; 3] } else { self.emissive },
+            ..self.clone()
+        }
+    }
 }
 
 /// The materials of a file and the images they use.

@@ -68,6 +68,19 @@ fn materials_of_an_obj_become_those_of_a_glb() {
 }
 
 #[test]
+fn faces_without_texture_coordinates_have_no_textures() {
+    let mut files = files();
+    files[0] = file("a.obj", OBJ.replace("usemtl unknown\nf 1/1 4/2 2/3", "usemtl wood\nf 1 4 2\nusemtl red\nf 1 4 2"));
+    let tree = tree(&write(&Document::open(files).unwrap(), Format::Glb));
+    let materials = tree["materials"].as_array().unwrap();
+    let names: Vec<&str> = materials.iter().map(|m| m["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["red", "wood", "wood"]);
+    assert!(materials[1]["pbrMetallicRoughness"].get("baseColorTexture").is_some());
+    assert!(materials[2]["pbrMetallicRoughness"].get("baseColorTexture").is_none());
+    assert!(materials[2].get("normalTexture").is_none());
+}
+
+#[test]
 fn an_obj_keeps_its_libraries_and_what_is_missing_is_told() {
     let document = Document::open(files()).unwrap();
     let text = String::from_utf8(write(&document, Format::Obj)).unwrap();

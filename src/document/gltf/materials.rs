@@ -6,13 +6,30 @@ use super::write::array;
 use crate::document::lookup::image_type;
 use crate::document::material::{Material, Materials};
 
-/// Adds a material for each of `names`, and their textures and images; the content of the images
+/// A material as some primitives use it: glTF forbids textures where there are no coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Use<'a> {
+    name: &'a str,
+    is_bare: bool,
+}
+
+impl<'a> Use<'a> {
+    /// The material called `name` for primitives that have texture coordinates or not.
+    pub(super) fn new(name: &'a str, has_texcoords: bool, materials: &Materials) -> Self {
+        let has_images =
+            |m: &Material| [m.base_color_image, m.normal_image, m.emissive_image].iter().any(Option::is_some);
+        Self { name, is_bare: !has_texcoords && materials.find(name).is_some_and(has_images) }
+    }
+}
+
+/// Adds a material for each of `uses`, and their textures and images; the content of the images
 /// in the order of the tree.
-pub(super) fn add<'a>(tree: &mut Value, names: &[&str], materials: &'a Materials) -> Vec<&'a [u8]> {
+pub(super) fn add<'a>(tree: &mut Value, uses: &[Use<'_>], materials: &'a Materials) -> Vec<&'a [u8]> {
     let mut textures = Textures { numbers: vec![None; materials.images.len()], images: Vec::new(), materials };
-    let list: Vec<Value> = names
+    let list: Vec<Value> = uses
         .iter()
-        .map(|name| match materials.find(name) {
+        .map(|Use { name, is_bare }| match materials.find(name) {
+            Some(material) if *is_bare => to_json(&material.without_images(), tree, &mut textures),
             Some(material) => to_json(material, tree, &mut textures),
             None => to_json(&Material::new((*name).to_owned()), tree, &mut textures),
         })

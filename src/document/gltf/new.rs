@@ -33,7 +33,7 @@ pub(in crate::document) fn write_new(mesh: &Mesh, layout: &SceneLayout) -> Resul
     let sets: Vec<SetSource> = mesh.wedge_sets.iter().map(|set| declare(&mut tree, set)).collect::<Result<_, _>>()?;
     let mut primitives = Vec::new();
     let mut objects: Vec<&Option<String>> = Vec::new();
-    let mut materials: Vec<&str> = Vec::new();
+    let mut materials: Vec<materials::Use<'_>> = Vec::new();
     for (group, label) in mesh.groups.iter().zip(&labels) {
         let object = objects.iter().position(|known| **known == label.object).unwrap_or_else(|| {
             objects.push(&label.object);
@@ -44,8 +44,10 @@ pub(in crate::document) fn write_new(mesh: &Mesh, layout: &SceneLayout) -> Resul
             primitive["attributes"][&attribute.semantic] = attribute.accessor.into();
         }
         if let Some(name) = label.material.as_deref() {
-            let material = materials.iter().position(|known| *known == name).unwrap_or_else(|| {
-                materials.push(name);
+            let has_texcoords = sets[group.wedge_set].attributes.iter().any(|a| a.semantic == "TEXCOORD_0");
+            let wanted = materials::Use::new(name, has_texcoords, &layout.materials);
+            let material = materials.iter().position(|known| *known == wanted).unwrap_or_else(|| {
+                materials.push(wanted);
                 materials.len() - 1
             });
             primitive["material"] = material.into();
