@@ -2,6 +2,7 @@
 
 import { DecimeshError, invalidArgument } from './errors.js';
 import { EngineObject, callEngine, init } from './engine.js';
+import { isOutputFormat, OUTPUT_FORMATS, usualFormat } from './formats.js';
 import { listFiles, loadFiles, type LoadedFile } from './files.js';
 import {
   RUN_NAMES,
@@ -24,6 +25,7 @@ import type {
   RunOptions,
   SimplifyOptions,
   Targets,
+  Warning,
   WriteOptions,
 } from './types.js';
 import type { Model } from './wasm/decimesh.js';
@@ -36,7 +38,8 @@ export interface Written {
 }
 
 /**
- * Opens a model: glTF (.glb, .gltf with its files) or OBJ. Loads the engine if that is still to be done.
+ * Opens a model: glTF (.glb, .gltf with its files), OBJ (with its .mtl and textures), PLY, STL, OFF or SMF, told by
+ * their content. Loads the engine if that is still to be done.
  *
  * Rejects with a {@link DecimeshError} naming the place in the file, or with the signal's reason.
  */
@@ -65,7 +68,9 @@ export function openFiles(files: readonly LoadedFile[]): Document {
 }
 
 /**
- * The addresses of files that a .gltf or .glb needs beside itself, as it names them; empty for other content.
+ * The addresses of files that a model names beside itself, as it names them: buffers and images of a glTF, material
+ * libraries of an OBJ, the texture of a PLY; and the images that such a library (.mtl) names, relative to it. Empty for
+ * other content.
  *
  * Needs the engine to be loaded. Never fails on bad content: opening it will say what is wrong.
  */
@@ -241,7 +246,9 @@ export class Document {
     const { deviation, milliseconds: measure = 0 } = this.#measured ?? {};
     const timings = { ...this.#timings, write: performance.now() - start, measure };
     const output = { format, bytes: bytes.byteLength };
-    return { bytes, report: makeReport({ summary: this.summary, level: this.#level, deviation, output, timings }) };
+    const losses = JSON.parse(this.#model.call((model) => model.losses(format))) as Warning[];
+    const parts = { summary: this.summary, level: this.#level, deviation, output, timings, losses };
+    return { bytes, report: makeReport(parts) };
   }
 
   /** Frees the document's memory; what runs rejects with `disposed`. May be called twice. */
@@ -257,8 +264,8 @@ export class Document {
 
 function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): OutputFormat {
   checkNames(options, ['format', 'compress']);
-  const { format = summary.format === 'obj' ? 'obj' : 'glb', compress = 'none' } = options;
-  if (format !== 'glb' && format !== 'obj') throw invalidArgument('format', "must be 'glb' or 'obj'");
+  const { format = usualFormat(summary.format), compress = 'none' } = options;
+  if (!isOutputFormat(format)) throw invalidArgument('format', `must be one of ${OUTPUT_FORMATS.join(', ')}`);
   if (compress !== 'none') {
     throw new DecimeshError('unsupported', `compression '${String(compress)}' is not supported yet`, 'compress');
   }

@@ -71,10 +71,12 @@ export interface ReportParts {
   readonly deviation: Deviation | undefined;
   readonly output: { readonly format: OutputFormat; readonly bytes: number };
   readonly timings: Timings;
+  /** What the output format cannot hold. */
+  readonly losses: readonly Warning[];
 }
 
 /** Puts a report together; both paths are null, for the caller to fill in. */
-export function makeReport({ summary, level, deviation, output, timings }: ReportParts): Report {
+export function makeReport({ summary, level, deviation, output, timings, losses }: ReportParts): Report {
   const { format, bytes, triangles, vertices, meshes, warnings } = summary;
   return {
     input: { path: null, format, bytes, triangles, vertices, meshes },
@@ -90,6 +92,6 @@ export function makeReport({ summary, level, deviation, output, timings }: Repor
     estimatedError: level?.estimatedError ?? 0,
     deviation: deviation ?? null,
     timings,
-    warnings,
+    warnings: [...warnings, ...losses],
   };
 }

@@ -1,10 +1,10 @@
 // The shapes that callers pass in and get back, shared by the document, its worker and the command line.
 
 /** A file format by its usual extension. */
-export type Format = 'glb' | 'gltf' | 'obj';
+export type Format = 'glb' | 'gltf' | 'obj' | 'ply' | 'stl' | 'off' | 'smf';
 
 /** A format that can be written. */
-export type OutputFormat = 'glb' | 'obj';
+export type OutputFormat = Exclude<Format, 'gltf'>;
 
 /**
  * Why there are not fewer triangles: the count was reached, the next step would exceed the error, or nothing more can
@@ -37,11 +37,11 @@ export type DocumentInput =
   | NamedBytes
   | ReadonlyArray<File | NamedBytes>;
 
-/** Triangles that share a material: a glTF primitive, or a material or object of an OBJ file. */
+/** Triangles that share a material: a glTF primitive, a material or object of an OBJ file, a solid of an STL file. */
 export interface GroupSummary {
-  /** Index of the glTF mesh; 0 for OBJ. */
+  /** Index of the glTF mesh; 0 for other formats. */
   readonly mesh: number;
-  /** Index of the primitive in its mesh; the group's index for OBJ. */
+  /** Index of the primitive in its mesh; the group's index for other formats. */
   readonly primitive: number;
   /** Name of the mesh or object. */
   readonly object: string | null;
@@ -122,7 +122,10 @@ export interface MeasureOptions {
 
 /** How to write. */
 export interface WriteOptions {
-  /** Default: `'obj'` for a document read from OBJ, else `'glb'`. */
+  /**
+   * Default: the format that was read, `'glb'` for glTF. PLY and STL are written in binary. What the format cannot hold
+   * is left out, with one warning in the report.
+   */
   readonly format?: OutputFormat | undefined;
   /** Only `'none'` (default) is supported yet. */
   readonly compress?: 'none' | undefined;

@@ -1,10 +1,29 @@
 //! `Document`: a whole file, of which the meshes can be replaced and the rest is kept.
 
+mod color;
+mod content;
 mod external;
+mod faces;
+mod flat;
 pub mod gltf;
+mod lookup;
+mod losses;
+mod material;
+mod notice;
 pub mod obj;
+pub mod off;
+mod place;
+pub mod ply;
+mod polygon;
+mod row_table;
+mod scan;
+pub mod smf;
+mod sniff;
+pub mod stl;
+mod text;
 
 pub use external::external_files;
+pub use material::{Material, Materials};
 
 use crate::error::{Error, ErrorCode, Warning};
 use crate::mesh::Mesh;
@@ -27,6 +46,14 @@ pub enum Format {
     Gltf,
     /// Wavefront OBJ.
     Obj,
+    /// Stanford PLY, text or binary; written in binary.
+    Ply,
+    /// STL, text or binary; written in binary.
+    Stl,
+    /// Geomview OFF.
+    Off,
+    /// Garland's SMF.
+    Smf,
 }
 
 impl Format {
@@ -37,8 +64,21 @@ impl Format {
             Self::Glb => "glb",
             Self::Gltf => "gltf",
             Self::Obj => "obj",
+            Self::Ply => "ply",
+            Self::Stl => "stl",
+            Self::Off => "off",
+            Self::Smf => "smf",
         }
     }
+
+    /// The format that can be written under this name.
+    #[must_use]
+    pub fn output(name: &str) -> Option<Self> {
+        Self::OUTPUT.into_iter().find(|format| format.as_str() == name)
+    }
+
+    /// Every format that can be written.
+    pub const OUTPUT: [Self; 6] = [Self::Glb, Self::Obj, Self::Ply, Self::Stl, Self::Off, Self::Smf];
 }
 
 /// What a writer of another format needs to know of the scene: names, materials, placements.
@@ -53,6 +93,11 @@ pub struct SceneLayout {
     /// Texture coordinate v grows downwards (glTF) and not upwards (OBJ). A writer of the other
     /// convention flips it: v' = 1 - v. The glTF reader sets it.
     pub texture_v_down: bool,
+    /// Colours are linear (glTF) and not sRGB, as in every other format here. A writer of the other
+    /// convention converts them. The glTF reader sets it.
+    pub has_linear_colors: bool,
+    /// Materials by name, for formats that hold them elsewhere than glTF does.
+    pub materials: Materials,
 }
 
 /// Names that go with one group.
@@ -90,6 +135,10 @@ pub struct Document {
 enum Source {
     Gltf(Box<gltf::GltfSource>),
     Obj(Box<obj::ObjSource>),
+    Ply(Box<ply::PlySource>),
+    Stl(Box<stl::StlSource>),
+    Off(Box<off::OffSource>),
+    Smf(Box<smf::SmfSource>),
 }
 
 impl Document {
@@ -97,13 +146,17 @@ impl Document {
     ///
     /// # Errors
     /// A typed [`Error`] with the place for anything malformed, missing or unsupported.
-    pub fn open(files: Vec<NamedFile>) -> Result<Self, Error> {
+    pub fn open(mut files: Vec<NamedFile>) -> Result<Self, Error> {
         let byte_count = files.iter().map(|f| f.bytes.len()).sum();
-        let (main, format) = sniff_all(&files)?;
+        let (main, format) = sniff::first_model(&mut files)?;
         let name = files[main].name.clone();
         let source = match format {
             Format::Glb | Format::Gltf => Source::Gltf(Box::new(gltf::read(files, main, format)?)),
-            Format::Obj => Source::Obj(Box::new(obj::read(&files[main])?)),
+            Format::Obj => Source::Obj(Box::new(obj::read(&files, main)?)),
+            Format::Ply => Source::Ply(Box::new(ply::read(&files, main)?)),
+            Format::Stl => Source::Stl(Box::new(stl::read(&files[main])?)),
+            Format::Off => Source::Off(Box::new(off::read(&files[main])?)),
+            Format::Smf => Source::Smf(Box::new(smf::read(&files[main])?)),
         };
         let document = Self { source, byte_count };
         if document.mesh().triangles.is_empty() {
@@ -118,6 +171,10 @@ impl Document {
         match &self.source {
             Source::Gltf(source) => source.format,
             Source::Obj(_) => Format::Obj,
+            Source::Ply(_) => Format::Ply,
+            Source::Stl(_) => Format::Stl,
+            Source::Off(_) => Format::Off,
+            Source::Smf(_) => Format::Smf,
         }
     }
 
@@ -127,74 +184,71 @@ impl Document {
         self.byte_count
     }
 
+    fn content(&self) -> (&Mesh, &SceneLayout, &[Warning]) {
+        let content = match &self.source {
+            Source::Gltf(source) => return (&source.mesh, &source.layout, &source.warnings),
+            Source::Obj(source) => &source.content,
+            Source::Ply(source) => &source.content,
+            Source::Stl(source) => &source.content,
+            Source::Off(source) => &source.content,
+            Source::Smf(source) => &source.content,
+        };
+        (&content.mesh, &content.layout, &content.warnings)
+    }
+
     /// Every triangle of the file.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
-        match &self.source {
-            Source::Gltf(source) => &source.mesh,
-            Source::Obj(source) => &source.mesh,
-        }
+        self.content().0
     }
 
     /// Names and placements, by the groups and parts of [`Document::mesh`].
     #[must_use]
     pub fn layout(&self) -> &SceneLayout {
-        match &self.source {
-            Source::Gltf(source) => &source.layout,
-            Source::Obj(source) => &source.layout,
-        }
+        self.content().1
     }
 
     /// What reading had to change or leave out.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
-        match &self.source {
-            Source::Gltf(source) => &source.warnings,
-            Source::Obj(source) => &source.warnings,
-        }
+        self.content().2
+    }
+
+    /// What the file has and `format` cannot hold: one warning, or none.
+    #[must_use]
+    pub fn losses(&self, format: Format) -> Option<Warning> {
+        let has_facet_colors = matches!(&self.source, Source::Stl(source) if source.style.has_colors());
+        let gltf_tree = match &self.source {
+            Source::Gltf(source) => Some(source.tree()),
+            _ => None,
+        };
+        losses::losses(self.format(), self.mesh(), self.layout(), gltf_tree, has_facet_colors, format)
     }
 
     /// The file with `mesh` in the place of what was read. `mesh` has the same groups, wedge
     /// sets (with the same attributes) and parts as [`Document::mesh`], in the same order; any of
-    /// them may be empty.
+    /// them may be empty. What `format` cannot hold is left out; [`Document::losses`] names it.
     ///
     /// # Errors
-    /// `unsupported` for a format that cannot be written.
+    /// `unsupported` for a format that cannot be written; `not-finite` if a placement moves a
+    /// vertex out of range; `too-large` beyond what the format or memory can hold.
     pub fn write(&self, mesh: &Mesh, format: Format) -> Result<Vec<u8>, Error> {
-        match (&self.source, format) {
-            (Source::Gltf(source), Format::Glb) => gltf::write(source, mesh),
-            (Source::Obj(_), Format::Glb) => gltf::write_new(mesh, self.layout()),
-            (Source::Obj(source), Format::Obj) => obj::write(source, mesh),
-            (Source::Gltf(source), Format::Obj) => obj::write_new(mesh, &source.layout),
-            (_, Format::Gltf) => {
+        let layout = self.layout();
+        match (format, &self.source) {
+            (Format::Glb, Source::Gltf(source)) => gltf::write(source, mesh),
+            (Format::Glb, _) => gltf::write_new(mesh, layout),
+            (Format::Obj, Source::Obj(source)) => obj::write(source, mesh),
+            (Format::Obj, _) => obj::write_new(mesh, layout),
+            (Format::Ply, Source::Ply(source)) => ply::write(mesh, layout, &source.style),
+            (Format::Ply, _) => ply::write(mesh, layout, &ply::PlyStyle::default()),
+            (Format::Stl, Source::Stl(source)) => stl::write(mesh, layout, &source.style),
+            (Format::Stl, _) => stl::write(mesh, layout, &stl::StlStyle::default()),
+            (Format::Off, Source::Off(source)) => off::write(mesh, layout, source.style),
+            (Format::Off, _) => off::write(mesh, layout, off::OffStyle::default()),
+            (Format::Smf, _) => smf::write(mesh, layout),
+            (Format::Gltf, _) => {
                 Err(Error::new(ErrorCode::Unsupported, "format", "writing .gltf is not supported; write .glb"))
             }
         }
     }
-}
-
-/// The first file that is a model, and its format.
-fn sniff_all(files: &[NamedFile]) -> Result<(usize, Format), Error> {
-    if let Some(found) = files.iter().enumerate().find_map(|(i, file)| Some((i, sniff(file)?))) {
-        return Ok(found);
-    }
-    let name = files.first().map_or("", |f| f.name.as_str());
-    Err(Error::new(
-        ErrorCode::UnknownFormat,
-        name,
-        if files.is_empty() { "no file was given" } else { "neither glTF, GLB nor OBJ" },
-    ))
-}
-
-/// The format by content, never by name alone: `None` if it is none of ours.
-fn sniff(file: &NamedFile) -> Option<Format> {
-    if file.bytes.starts_with(b"glTF") {
-        return Some(Format::Glb);
-    }
-    let text = file.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&file.bytes);
-    let first = text.iter().find(|b| !b.is_ascii_whitespace());
-    if first == Some(&b'{') {
-        return Some(Format::Gltf);
-    }
-    obj::looks_like_obj(text).then_some(Format::Obj)
 }

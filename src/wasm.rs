@@ -37,8 +37,8 @@ pub fn version() -> String {
     env!("CARGO_PKG_VERSION").into()
 }
 
-/// JSON array of the URIs that a .gltf or .glb refers to outside of itself; empty if it does not
-/// parse (opening it will say why).
+/// JSON array of what a model or a material library names beside itself; empty if it does not parse
+/// (opening it will say why).
 #[wasm_bindgen(js_name = externalFiles)]
 #[must_use]
 pub fn external_files(bytes: &[u8]) -> String {
@@ -493,12 +493,17 @@ impl Model {
         let Source::File(document) = &self.source else {
             return Err(thrown(Error::new(ErrorCode::WrongState, "write", "arrays have no file")));
         };
-        let format = match format {
-            "glb" => Format::Glb,
-            "obj" => Format::Obj,
-            _ => return Err(thrown(Error::new(ErrorCode::InvalidArgument, "format", "must be 'glb' or 'obj'"))),
+        document.write(self.level_mesh(), output_format(format)?).map_err(thrown)
+    }
+
+    /// JSON array of warnings: what the file has and `format` cannot hold.
+    pub fn losses(&self, format: &str) -> Result<String, JsValue> {
+        let format = output_format(format)?;
+        let losses = match &self.source {
+            Source::File(document) => document.losses(format),
+            Source::Arrays(_) => None,
         };
-        document.write(self.level_mesh(), format).map_err(thrown)
+        to_json(&losses.iter().map(WarningSummary::from).collect::<Vec<_>>())
     }
 }
 
@@ -524,6 +529,13 @@ const MOST_SAMPLES: f64 = 1e9;
 
 fn not_measuring() -> JsValue {
     thrown(Error::new(ErrorCode::WrongState, "measure", "begin first"))
+}
+
+fn output_format(name: &str) -> Result<Format, JsValue> {
+    Format::output(name).ok_or_else(|| {
+        let known: Vec<&str> = Format::OUTPUT.iter().map(|format| format.as_str()).collect();
+        thrown(Error::new(ErrorCode::InvalidArgument, "format", format!("must be one of {}", known.join(", "))))
+    })
 }
 
 fn missing(argument: &str) -> JsValue {

@@ -203,7 +203,7 @@ describe('wrong usage', () => {
     ['an unknown option', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--fast'], 'arguments'],
     ['an unknown placement', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--placement', 'best'], '--placement'],
     ['an unknown preset', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--preset', 'turbo'], '--preset'],
-    ['an unknown output format', ['in.glb', '-o', 'out.stl', '-r', '0.5'], '-o'],
+    ['an unknown output format', ['in.glb', '-o', 'out.fbx', '-r', '0.5'], '-o'],
     ['both -o and -d', ['in.glb', '-o', 'out.glb', '-d', 'dir', '-r', '0.5'], '-o, -d'],
     ['several inputs for one output', ['in.glb', 'b.glb', '-o', 'out.glb', '-r', '0.5'], '-o'],
     ['--size', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--size', '500k'], '--size'],

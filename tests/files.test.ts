@@ -47,6 +47,9 @@ describe('a drop', () => {
 describe('names', () => {
   it('finds the model among other files, else takes the first', () => {
     expect(modelFile([new File([], 'a.png'), new File([], 'B.OBJ')])?.name).toBe('B.OBJ');
+    for (const name of ['a.ply', 'a.STL', 'a.off', 'a.smf']) {
+      expect(modelFile([new File([], 'a.png'), new File([], 'a.mtl'), new File([], name)])?.name).toBe(name);
+    }
     expect(modelFile([new File([], 'notes.txt')])?.name).toBe('notes.txt');
     expect(modelFile([])).toBeUndefined();
   });

@@ -160,7 +160,7 @@ describe('a document', () => {
   it('refuses levels before simplification, unknown formats and what is not built yet', async () => {
     using document = await openDocument(file(4));
     await expect(document.level({ triangles: 5 })).rejects.toEqual(coded('wrong-state'));
-    await expect(document.write({ format: 'stl' as 'glb' })).rejects.toEqual(coded('invalid-argument', 'format'));
+    await expect(document.write({ format: 'fbx' as 'glb' })).rejects.toEqual(coded('invalid-argument', 'format'));
     await expect(document.write({ compress: 'draco' as 'none' })).rejects.toEqual(coded('unsupported', 'compress'));
     await expect(openDocument('file.glb' as unknown as ArrayBuffer)).rejects.toEqual(coded('invalid-argument', 'input'));
     await expect(openDocument([])).rejects.toEqual(coded('invalid-argument', 'input'));

@@ -2,10 +2,12 @@
 import { readFileSync, readdirSync } from 'node:fs';
 import type { BrowserContextOptions, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { openDocument } from 'decimesh';
 import { readFirstPrimitive, subdivide, writeGlb } from '../benches/support/subdivide.mjs';
 import { at } from '../scripts/project.mjs';
 import { dropFiles, startPage } from './support/browser.mjs';
 import { INVALID_FILES } from './support/invalid_files.ts';
+import { ONE_PIXEL, hills, plyOf } from './support/meshes.ts';
 import { gltfErrors } from './support/validate.ts';
 
 const LONG = { timeout: 40_000 };
@@ -106,6 +108,47 @@ describe('the main job', () => {
     expect(saved.bytes.toString()).toMatch(/^f /m);
     await drop(saved);
     await ready();
+  });
+
+  it.each(['ply', 'stl', 'off', 'smf'] as const)('opens %s, whatever it is called, and saves the same format', async (format) => {
+    using document = await openDocument(plyOf(hills(8)));
+    const { bytes } = await document.write({ format });
+    await openPage();
+    await drop({ name: `scan.${format}`, bytes });
+    await ready();
+    expect(await wanted()).toBe(128);
+    expect(await page.getByRole('combobox', { name: 'File format' }).inputValue()).toBe(format);
+    const saved = await download();
+    expect(saved.name).toBe(`scan.${format}`);
+    using again = await openDocument(new Uint8Array(saved.bytes));
+    expect(again.summary).toMatchObject({ format, triangles: 128 });
+  });
+
+  it('says what a format cannot hold when it saves it', async () => {
+    await openPage();
+    await drop(fan);
+    await ready();
+    await page.getByRole('combobox', { name: 'File format' }).selectOption('STL');
+    const saved = await download();
+    expect(saved.name).toBe('desk-fan.stl');
+    await status(/Saved desk-fan\.stl\. STL cannot hold what the file has: .*materials/);
+    using again = await openDocument(new Uint8Array(saved.bytes));
+    expect(again.summary.format).toBe('stl');
+  });
+
+  it('takes an OBJ with its materials and textures', async () => {
+    await openPage();
+    const obj = 'mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl wood\nf 1/1 2/2 3/3\n';
+    await drop(
+      { name: 'wood.png', bytes: ONE_PIXEL },
+      { name: 'a.mtl', bytes: Buffer.from('newmtl wood\nmap_Kd wood.png\n') },
+      { name: 'a.obj', bytes: Buffer.from(obj) },
+    );
+    await ready();
+    await page.getByRole('combobox', { name: 'File format' }).selectOption('GLB');
+    const saved = await download();
+    expect(await gltfErrors(new Uint8Array(saved.bytes))).toEqual([]);
+    expect(saved.bytes.includes(ONE_PIXEL)).toBe(true);
   });
 
   it('takes a glTF with its files', async () => {

@@ -37,6 +37,23 @@ describe('opening', () => {
   });
 });
 
+describe('the format to save', () => {
+  const open = (state: State, format: string): State =>
+    transitions.modelOpened(state, { name: 'a', credit: '', source: { ...source, format }, warnings: [], animations: [] });
+
+  it('is that of the model, and GLB for what cannot be written', () => {
+    expect(['ply', 'stl', 'obj', 'off', 'smf', 'glb', 'gltf'].map((format) => open(transitions.initialState, format).outputFormat)).toEqual(
+      ['ply', 'stl', 'obj', 'off', 'smf', 'glb', 'glb'],
+    );
+  });
+
+  it('is what was chosen until the next model', () => {
+    const chosen = transitions.outputFormatChosen(open(transitions.initialState, 'stl'), 'ply');
+    expect(chosen.outputFormat).toBe('ply');
+    expect(open(chosen, 'obj').outputFormat).toBe('obj');
+  });
+});
+
 describe('the slider', () => {
   it('stays between the fewest and all triangles', () => {
     expect(wanted(transitions.targetMoved(ready(4), 0, 1))).toBe(4);

@@ -21,7 +21,22 @@ const SETTLE_TIME = 250;
 /** Codes after which the worker has no documents any more; opening the files again brings them back. */
 const LOST_CODES: readonly string[] = ['disposed', 'worker-lost', 'internal', 'out-of-memory'];
 
-const MIME_TYPES: Readonly<Record<OutputFormat, string>> = { glb: 'model/gltf-binary', obj: 'model/obj' };
+const MIME_TYPES: Readonly<Record<OutputFormat, string>> = {
+  glb: 'model/gltf-binary',
+  obj: 'model/obj',
+  stl: 'model/stl',
+  // Without a type of their own; as text they would be saved as .txt.
+  ply: 'application/octet-stream',
+  off: 'application/octet-stream',
+  smf: 'application/octet-stream',
+};
+
+/** A file, the wish it answers, and a sentence on what its format cannot hold, or nothing. */
+interface WrittenFile {
+  readonly key: string;
+  readonly bytes: Uint8Array;
+  readonly loss: string;
+}
 
 /** The document behind the model on screen. */
 interface OpenDocument {
@@ -30,7 +45,7 @@ interface OpenDocument {
   recording: AbortController | null;
   measuring: AbortController | null;
   /** The last file written, and what for; Download takes it from here. */
-  written: { readonly key: string; readonly bytes: Uint8Array } | null;
+  written: WrittenFile | null;
   /** The wish that failed last: not tried again until it changes. */
   failedKey: string | null;
   /** Whether the documents were lost once without a success since. */
@@ -67,8 +82,10 @@ export class Session {
       const onProgress = (fraction: number | null): void => this.store.update((state) => transitions.taskProgressed(state, fraction));
       const model = await fetchFile(address, fileName, { signal, onProgress });
       const references = await this.client.externalFiles(new Uint8Array(await model.arrayBuffer()));
-      const others = await Promise.all(references.map((reference) => fetchReference(reference, address, signal)));
-      await this.replaceDocument([model, ...others.flat()], fileName, credit, signal);
+      const others = (await Promise.all(references.map((reference) => fetchReference(reference, '', address, signal)))).flat();
+      const libraries = others.filter((file) => /\.mtl$/i.test(file.name));
+      const images = await Promise.all(libraries.map((library) => this.fetchImages(library, address, signal)));
+      await this.replaceDocument([model, ...others, ...images.flat()], fileName, credit, signal);
     });
   }
 
@@ -98,10 +115,10 @@ export class Session {
     const fileName = `${model.name}.${outputFormat}`;
     await this.runTask('writing', fileName, async (signal) => {
       this.filesWanted += 1;
-      const bytes = await this.settled(open, signal).finally(() => { this.filesWanted -= 1; });
-      if (bytes === null) return;
-      save(new Blob([bytes as Uint8Array<ArrayBuffer>], { type: MIME_TYPES[outputFormat] }), fileName);
-      this.store.update((state) => transitions.remarked(state, `Saved ${fileName}.`));
+      const file = await this.settled(open, signal).finally(() => { this.filesWanted -= 1; });
+      if (file === null) return;
+      save(new Blob([file.bytes as Uint8Array<ArrayBuffer>], { type: MIME_TYPES[outputFormat] }), fileName);
+      this.store.update((state) => transitions.remarked(state, `Saved ${fileName}.${file.loss}`));
     });
   }
 
@@ -163,6 +180,13 @@ export class Session {
     } finally {
       if (this.task === task) this.task = null;
     }
+  }
+
+  // A material library names images relative to itself.
+  private async fetchImages(library: File, address: URL, signal: AbortSignal): Promise<File[]> {
+    const images = await this.client.externalFiles(new Uint8Array(await library.arrayBuffer()));
+    const folder = library.name.slice(0, library.name.lastIndexOf('/') + 1);
+    return (await Promise.all(images.map((image) => fetchReference(image, folder, address, signal)))).flat();
   }
 
   private async replaceDocument(files: File[], fileName: string, credit: string, signal: AbortSignal): Promise<void> {
@@ -295,9 +319,10 @@ export class Session {
       if (this.filesWanted === 0 && ((await this.pause()) || this.current !== open)) return true;
       // Without a history the document stands at full detail; with one, recording it may have left another level.
       if (model.history.kind === 'ready') await open.document.level(full ? {} : { triangles: wanted });
-      const { bytes } = await open.document.write({ format: outputFormat });
+      const { bytes, report } = await open.document.write({ format: outputFormat });
       if (this.current !== open) return true;
-      open.written = { key, bytes };
+      const loss = report.warnings.find((warning) => warning.code === 'not-carried');
+      open.written = { key, bytes, loss: loss === undefined ? '' : ` ${loss.message}.` };
       this.tellSize(bytes.byteLength, outputFormat, wanted);
       return true;
     } catch (error) {
@@ -330,14 +355,14 @@ export class Session {
   }
 
   /** Resolves to the file of the wanted level when it is written, to null when that failed and was told. */
-  private async settled(open: OpenDocument, signal: AbortSignal): Promise<Uint8Array | null> {
+  private async settled(open: OpenDocument, signal: AbortSignal): Promise<WrittenFile | null> {
     this.wishChanged();
     for (;;) {
       signal.throwIfAborted();
       const { model, outputFormat } = this.store.value;
       if (this.current !== open || model === null) return null;
       const key = wishKey(model, outputFormat);
-      if (open.written?.key === key) return open.written.bytes;
+      if (open.written?.key === key) return open.written;
       const stopped = model.history.kind === 'none' && model.wantedTriangles !== model.source.triangles;
       if (stopped || open.failedKey === key) return null;
       await new Promise<void>((resolve) => {
@@ -364,11 +389,12 @@ const afterNextPaint = (): Promise<void> =>
   });
 
 // A file that cannot be had is left out: opening the model tells whether it can do without, and names the place.
-async function fetchReference(reference: string, address: URL, signal: AbortSignal): Promise<File[]> {
-  const beside = URL.parse(reference, address);
+// `folder` is that of the file it is named in, from the model.
+async function fetchReference(reference: string, folder: string, address: URL, signal: AbortSignal): Promise<File[]> {
+  const beside = URL.parse(folder + reference.replaceAll('\\', '/'), address);
   if (beside === null) return [];
   try {
-    return [await fetchFile(beside, decodePath(reference), { signal })];
+    return [await fetchFile(beside, decodePath(folder + reference), { signal })];
   } catch {
     signal.throwIfAborted();
     return [];

@@ -1,7 +1,13 @@
 // The page's one state value and the pure transitions between its values; nothing here fetches, draws or waits.
+import type { OutputFormat } from 'decimesh/worker';
 
-/** A file format that the page can download. */
-export type OutputFormat = 'glb' | 'obj';
+export type { OutputFormat };
+
+/** The formats that the page can download, and what it calls them. */
+export const FORMAT_NAMES: Readonly<Record<OutputFormat, string>> = { glb: 'GLB', obj: 'OBJ', ply: 'PLY', stl: 'STL', off: 'OFF', smf: 'SMF' };
+
+/** Whether `value` names a format that can be downloaded. */
+export const isOutputFormat = (value: string): value is OutputFormat => Object.hasOwn(FORMAT_NAMES, value);
 
 /** Something that went wrong, or a remark about a file, as the engine reports it. */
 export interface Notice {
@@ -149,7 +155,7 @@ export const taskProgressed = (state: State, fraction: number | null): State =>
 
 export const taskEnded = (state: State, remark = state.remark): State => ({ ...state, task: null, remark });
 
-/** A model replaces the one before it, at full detail; its history is recorded from now on. */
+/** A model replaces the one before it, at full detail, to be saved in its own format; its history is recorded from now on. */
 export const modelOpened = (
   state: State,
   opened: Pick<Model, 'name' | 'credit' | 'source' | 'warnings' | 'animations'>,
@@ -158,6 +164,7 @@ export const modelOpened = (
   task: null,
   notice: null,
   remark: '',
+  outputFormat: isOutputFormat(opened.source.format) ? opened.source.format : 'glb',
   view: { ...state.view, animation: 0, comparing: false },
   model: {
     ...opened,

@@ -23,13 +23,15 @@ export interface Job {
 /** What the user asked for. */
 export type Command = Job | { readonly action: 'help' } | { readonly action: 'version' };
 
-export const HELP = `decimesh: fewer triangles for glTF and OBJ models, with the same look
+export const HELP = `decimesh: fewer triangles for 3D models, with the same look
 
-  decimesh INPUT -o OUTPUT [options]     one file; its format by the extension, .glb or .obj
+  decimesh INPUT -o OUTPUT [options]     one file; its format by the extension: .glb, .obj, .ply,
+                                         .stl, .off, .smf
   decimesh INPUTS… -d DIR [options]      many files, into a directory that is made if need be
   decimesh INPUT --json [options]        only a report
 
-Input is .glb, .gltf (its files are looked for in its folder and below) or .obj, whatever the extension says.
+Input is .glb, .gltf, .obj (their files are looked for in the same folder and below), .ply, .stl, .off or .smf, told
+by the content, whatever the extension says.
 
 How far (name one; of several, the first that is reached stops):
   -r, --ratio R        keep this share of the triangles, 0 to 1
@@ -43,7 +45,7 @@ How:
 
 Output:
   -o, --output FILE    replaced only when all went well; never the input itself
-  -d, --directory DIR  INPUT.glb, or .obj for OBJ input
+  -d, --directory DIR  INPUT in its own format, .gltf as .glb
   --compress none      the only encoding yet
   --measure            measure how far the result is from the original, both ways, and report it
   --json               a report on standard output: an object, or an array of them for several inputs

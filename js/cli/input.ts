@@ -23,18 +23,27 @@ export async function readInput(path: string): Promise<ReadInput> {
   const bytes = await read(path);
   const files: LoadedFile[] = [{ name: basename(path), bytes }];
   const warnings: Warning[] = [];
-  for (const uri of externalFiles(bytes)) {
-    const name = pathInside(uri);
+  const seen = new Set<string>();
+  const take = async (uri: string, folder: string): Promise<void> => {
+    const name = pathInside(uri, folder);
     if (name === undefined) {
       warnings.push({ code: 'outside-folder', message: 'only files in the folder of the model are read', where: uri });
-      continue;
+      return;
     }
+    if (seen.has(name)) return;
+    seen.add(name);
     try {
-      files.push({ name, bytes: await readFile(join(dirname(path), name)) });
+      const bytes = await readFile(join(dirname(path), name));
+      files.push({ name, bytes });
+      // A material library names images, relative to itself; these name nothing further.
+      if (folder === '' && /\.mtl$/i.test(name)) {
+        for (const image of externalFiles(bytes)) await take(image, `${dirname(name)}/`);
+      }
     } catch (error) {
       if (!isMissing(error)) throw fileError('cannot-read', error, join(dirname(path), name));
     }
-  }
+  };
+  for (const uri of externalFiles(bytes)) await take(uri, '');
   return { files, warnings };
 }
 
@@ -46,8 +55,11 @@ async function read(path: string): Promise<Uint8Array> {
   }
 }
 
-/** The path that a relative URI names, if that stays in the folder; undefined for any other URI. */
-export function pathInside(uri: string): string | undefined {
+/**
+ * The path from the model that a relative URI in `folder` (empty, or ending with `/`) names, if that stays in the
+ * model's folder; undefined for any other URI.
+ */
+export function pathInside(uri: string, folder = ''): string | undefined {
   // A scheme, and also a drive.
   if (/^[a-z][a-z0-9+.-]*:/i.test(uri)) return undefined;
   let decoded = uri.split(/[?#]/)[0] ?? '';
@@ -56,7 +68,9 @@ export function pathInside(uri: string): string | undefined {
   } catch {
     // A stray % is a %: such names are not rare.
   }
-  const path = normalize(decoded.replaceAll('\\', '/'));
+  const relative = decoded.replaceAll('\\', '/');
+  if (isAbsolute(relative)) return undefined;
+  const path = normalize(folder + relative);
   const leaves = path === '..' || path.startsWith(`..${sep}`) || isAbsolute(path) || /^[a-z]:/i.test(path);
   return leaves || path === '.' || path.includes('\0') ? undefined : path.replaceAll(sep, '/');
 }

@@ -2,27 +2,23 @@
 
 import { accessSync, constants, mkdirSync, realpathSync, renameSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { basename, dirname, extname, join, parse, resolve } from 'node:path';
-import type { Format, OutputFormat } from '../types.js';
+import { isOutputFormat, OUTPUT_FORMATS } from '../formats.js';
+import type { OutputFormat } from '../types.js';
 import { usage } from './arguments.js';
 import { fileError, isMissing } from './file_error.js';
 
 /** The format that a path's extension names; throws `usage` if none that can be written. */
 export function outputFormat(path: string): OutputFormat {
   const extension = extname(path).toLowerCase();
-  if (extension === '.glb') return 'glb';
-  if (extension === '.obj') return 'obj';
+  const format = extension.slice(1);
+  if (isOutputFormat(format)) return format;
   const what = extension === '' ? 'has no extension' : `cannot be written as ${extension}`;
-  throw usage('-o', `'${path}' ${what}; known are .glb and .obj`);
+  throw usage('-o', `'${path}' ${what}; known are ${OUTPUT_FORMATS.map((known) => `.${known}`).join(', ')}`);
 }
 
 /** The path in `directory` for a result of `input` in `format`. */
 export function pathIn(directory: string, input: string, format: OutputFormat): string {
   return join(directory, `${parse(input).name}.${format}`);
-}
-
-/** The format to write when the user named none. */
-export function usualFormat(format: Format): OutputFormat {
-  return format === 'obj' ? 'obj' : 'glb';
 }
 
 /** Throws `usage` if `output` is the same file as one of `inputs`, by whatever name. */

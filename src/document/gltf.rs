@@ -11,6 +11,7 @@ mod attributes;
 mod column;
 mod container;
 mod json;
+mod materials;
 mod new;
 mod pack;
 mod read;
@@ -23,6 +24,7 @@ mod write;
 
 use serde_json::Value;
 
+use crate::document::lookup::shorten;
 use crate::document::{Format, NamedFile, SceneLayout};
 use crate::error::{Error, Warning};
 use crate::mesh::Mesh;
@@ -50,6 +52,13 @@ pub(super) struct GltfSource {
     /// One for each group and each wedge set of the mesh.
     primitives: Vec<PrimitiveSource>,
     sets: Vec<SetSource>,
+}
+
+impl GltfSource {
+    /// The JSON as in the file.
+    pub(super) fn tree(&self) -> &Value {
+        &self.tree
+    }
 }
 
 /// The primitive that a group is.
@@ -121,8 +130,13 @@ fn read_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<Glt
     let appearances = scene::appearances(data)?;
     let geometry = read::geometry(data, &appearances.scales, &mut warnings)?;
     let groups = geometry.primitives.iter().map(|source| scene::label(&tree, source.mesh, source.primitive)).collect();
-    let layout =
-        SceneLayout { groups, instances: appearances.instances, material_libraries: Vec::new(), texture_v_down: true };
+    let layout = SceneLayout {
+        groups,
+        instances: appearances.instances,
+        texture_v_down: true,
+        has_linear_colors: true,
+        ..SceneLayout::default()
+    };
     let images = find_images(&tree, &files, main, &mut warnings);
     warn_of_lost_extensions(&tree, &mut warnings);
     Ok(GltfSource {
@@ -148,7 +162,7 @@ fn find_images(tree: &Value, files: &[NamedFile], main: usize, warnings: &mut Ve
         let (code, message) = match resource::resolve(uri, files, main) {
             Ok(Some(content)) => return content,
             Ok(None) => {
-                let file = resource::shorten(uri);
+                let file = shorten(uri);
                 ("missing-image", format!("the file \"{file}\" was not given; the reference to it is kept"))
             }
             Err(reason) => ("bad-image", format!("{reason}; kept as it is")),

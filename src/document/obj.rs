@@ -3,7 +3,7 @@
 //! Reading: [`statements`] scans the text once, [`assemble`] makes wedges and triangles of it. The
 //! whole file is one part, since its objects share their vertices. Kept are positions, the colours
 //! many programs write behind them, texture coordinates, normals, `o`, `g`, `s`, `usemtl`,
-//! `mtllib`; points, lines and free-form surfaces are left out with a warning. A face with fewer than three
+//! `mtllib`, whose [`materials`] are read if the files are given; points, lines and free-form surfaces are left out with a warning. A face with fewer than three
 //! corners is left out with a warning too, as most readers do, and so are indices of texture
 //! coordinates and normals that some exporters write without the elements. A vertex index to
 //! nothing, or a number that is none, is an error, since guessing would move the surface.
@@ -11,33 +11,27 @@
 //! What OBJ cannot hold (skins, further texture coordinates, tangents) is not written.
 
 mod assemble;
-mod grid;
+mod materials;
 mod notice;
-mod place;
-mod polygon;
-mod scan;
 mod statements;
-mod table;
-mod text;
 mod write;
 
 use crate::document::{NamedFile, SceneLayout};
-use crate::error::{Error, Warning};
+use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
-use scan::{Scanner, looks_like_number};
+use std::collections::BTreeSet;
+
+use super::content::Content;
+use super::scan::{Scanner, looks_like_number};
 
 /// An OBJ file as read.
 #[derive(Debug)]
 pub(super) struct ObjSource {
-    /// One part; a group for each distinct object, `g`, material and attribute signature; a wedge
-    /// set for each signature.
-    pub(super) mesh: Mesh,
-    /// One instance, in place.
-    pub(super) layout: SceneLayout,
+    /// One part, one instance in place; a group for each distinct object, `g`, material and
+    /// attribute signature; a wedge set for each signature.
+    pub(super) content: Content,
     /// `s` of each group, where it is on and the same for all of its faces.
     smoothing_groups: Vec<Option<String>>,
-    /// One for each kind of thing left out.
-    pub(super) warnings: Vec<Warning>,
 }
 
 /// Reads an OBJ file. Without a single face the mesh is empty.
@@ -46,9 +40,27 @@ pub(super) struct ObjSource {
 /// With `name:line` as place: `syntax` for a number that is none or missing, `truncated` if it is
 /// missing at the end of the file, `not-finite` for NaN, infinity and what `f32` cannot hold,
 /// `out-of-range` for an index to nothing; `too-large` beyond a billion elements.
-pub(super) fn read(file: &NamedFile) -> Result<ObjSource, Error> {
-    let statements = statements::parse(&file.name, &file.bytes)?;
-    assemble::assemble(&file.name, statements)
+pub(super) fn read(files: &[NamedFile], main: usize) -> Result<ObjSource, Error> {
+    let Some(NamedFile { name, bytes }) = files.get(main) else {
+        return Err(Error::new(ErrorCode::InvalidArgument, "files", "no such file"));
+    };
+    let statements = statements::parse(name, bytes)?;
+    let mut source = assemble::assemble(name, statements)?;
+    let layout = &mut source.content.layout;
+    let (materials, warnings) = materials::read(files, main, &layout.material_libraries);
+    layout.materials = materials;
+    source.content.warnings.extend(warnings);
+    Ok(source)
+}
+
+/// The files that an OBJ file (its material libraries) or a material library (its images) names,
+/// in order, each once.
+pub(super) fn external_files(bytes: &[u8]) -> Vec<String> {
+    let mut names = materials::image_names(bytes);
+    names.extend(statements::library_names(bytes));
+    let mut known = BTreeSet::new();
+    names.retain(|name| known.insert(name.clone()));
+    names
 }
 
 /// The text of `source` with `mesh` in the place of its own, which has the same groups.
@@ -56,7 +68,7 @@ pub(super) fn read(file: &NamedFile) -> Result<ObjSource, Error> {
 /// # Errors
 /// As [`write_new`].
 pub(super) fn write(source: &ObjSource, mesh: &Mesh) -> Result<Vec<u8>, Error> {
-    write::write(mesh, &source.layout, &source.smoothing_groups)
+    write::write(mesh, &source.content.layout, &source.smoothing_groups)
 }
 
 /// The text of a mesh from elsewhere, placed and named by `layout`.

@@ -2,6 +2,12 @@
 import { expect } from 'vitest';
 import type { ArrayMesh } from './glb.ts';
 
+/** A PNG of one brown pixel. */
+export const ONE_PIXEL = Buffer.from(
+  'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNoSHAAAAKEASFpy73iAAAAAElFTkSuQmCC',
+  'base64',
+);
+
 /** An open grid of `size` × `size` squares with hills and fine bumps: 2 size² triangles, one normal and uv a vertex. */
 export function hills(size: number): ArrayMesh {
   const side = size + 1;
@@ -37,6 +43,23 @@ export function objOf({ positions, indices }: ArrayMesh): Uint8Array {
     lines.push(`f ${Array.from(indices.subarray(at, at + 3), (index) => index + 1).join(' ')}`);
   }
   return new TextEncoder().encode(`${lines.join('\n')}\n`);
+}
+
+/** `mesh` as PLY text with normals, texture coordinates and a colour from the position. */
+export function plyOf({ positions, indices, attributes }: ArrayMesh): Uint8Array {
+  const header = ['ply', 'format ascii 1.0', `element vertex ${positions.length / 3}`];
+  for (const name of ['x', 'y', 'z', 'nx', 'ny', 'nz', 's', 't']) header.push(`property float ${name}`);
+  for (const name of ['red', 'green', 'blue']) header.push(`property uchar ${name}`);
+  header.push(`element face ${indices.length / 3}`, 'property list uchar int vertex_indices', 'end_header');
+  const lines = Array.from({ length: positions.length / 3 }, (_, vertex) => {
+    const at = positions.subarray(3 * vertex, 3 * vertex + 3);
+    const color = [...at].map((c) => Math.round(255 * Math.min(Math.max(c, 0), 1)));
+    const normal = attributes?.normal?.subarray(3 * vertex, 3 * vertex + 3) ?? [0, 0, 1];
+    const uv = attributes?.uv?.subarray(2 * vertex, 2 * vertex + 2) ?? [0, 0];
+    return [...at, ...normal, ...uv, ...color].join(' ');
+  });
+  for (let at = 0; at < indices.length; at += 3) lines.push(`3 ${indices.subarray(at, at + 3).join(' ')}`);
+  return new TextEncoder().encode(`${[...header, ...lines].join('\n')}\n`);
 }
 
 /** Fails unless the indices are in range, every vertex is used, no triangle repeats a vertex, all numbers are finite. */

@@ -2,14 +2,16 @@
 
 use serde_json::{Value, json};
 
+use super::resource::Content;
 use super::write::{array, write};
-use super::{AttributeSource, GltfSource, PrimitiveSource, SetSource};
+use super::{AttributeSource, GltfSource, PrimitiveSource, SetSource, materials};
+use crate::document::color::to_linear;
 use crate::document::{Format, GroupLabel, SceneLayout};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::{Attribute, Group, Mesh, WedgeSet};
 
 /// A GLB file with a glTF mesh and node for each object, a primitive for each group that has
-/// triangles, and a neutral material for each name.
+/// triangles, and a material for each name: the layout's of that name, or a neutral one.
 ///
 /// # Errors
 /// What [`Mesh::validate`] finds; `invalid-argument` for an attribute of a width that glTF lacks;
@@ -31,7 +33,7 @@ pub(in crate::document) fn write_new(mesh: &Mesh, layout: &SceneLayout) -> Resul
     let sets: Vec<SetSource> = mesh.wedge_sets.iter().map(|set| declare(&mut tree, set)).collect::<Result<_, _>>()?;
     let mut primitives = Vec::new();
     let mut objects: Vec<&Option<String>> = Vec::new();
-    let mut materials: Vec<&str> = Vec::new();
+    let mut materials: Vec<materials::Use<'_>> = Vec::new();
     for (group, label) in mesh.groups.iter().zip(&labels) {
         let object = objects.iter().position(|known| **known == label.object).unwrap_or_else(|| {
             objects.push(&label.object);
@@ -42,8 +44,10 @@ pub(in crate::document) fn write_new(mesh: &Mesh, layout: &SceneLayout) -> Resul
             primitive["attributes"][&attribute.semantic] = attribute.accessor.into();
         }
         if let Some(name) = label.material.as_deref() {
-            let material = materials.iter().position(|known| *known == name).unwrap_or_else(|| {
-                materials.push(name);
+            let has_texcoords = sets[group.wedge_set].attributes.iter().any(|a| a.semantic == "TEXCOORD_0");
+            let wanted = materials::Use::new(name, has_texcoords, &layout.materials);
+            let material = materials.iter().position(|known| *known == wanted).unwrap_or_else(|| {
+                materials.push(wanted);
                 materials.len() - 1
             });
             primitive["material"] = material.into();
@@ -52,10 +56,7 @@ pub(in crate::document) fn write_new(mesh: &Mesh, layout: &SceneLayout) -> Resul
         siblings.push(primitive);
         primitives.push(PrimitiveSource { mesh: object, primitive: siblings.len() - 1 });
     }
-    let neutral = |name: &&str| json!({ "name": name, "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 1.0 } });
-    if !materials.is_empty() {
-        tree["materials"] = materials.iter().map(neutral).collect();
-    }
+    let images = materials::add(&mut tree, &materials, &layout.materials);
     // The writer edits trees, so it gets this one as if it had been read, with all data still to come.
     let source = GltfSource {
         format: Format::Glb,
@@ -65,7 +66,7 @@ pub(in crate::document) fn write_new(mesh: &Mesh, layout: &SceneLayout) -> Resul
         tree,
         files: Vec::new(),
         buffers: Vec::new(),
-        images: Vec::new(),
+        images: images.into_iter().map(|image| Content::Owned(image.to_vec())).collect(),
         primitives,
         sets,
     };
@@ -83,7 +84,7 @@ fn used_part(mesh: &Mesh, layout: &SceneLayout) -> (Mesh, Vec<GroupLabel>) {
         let wedge_set = *renumbered[group.wedge_set].get_or_insert_with(|| {
             let start = out.positions.len();
             out.positions.extend_from_slice(&mesh.positions[old.wedges.clone()]);
-            let attributes = old.attributes.iter().map(|a| convert(a, layout.texture_v_down)).collect();
+            let attributes = old.attributes.iter().map(|a| convert(a, layout)).collect();
             out.wedge_sets.push(WedgeSet { wedges: start..out.positions.len(), part: old.part, attributes });
             out.wedge_sets.len() - 1
         });
@@ -97,16 +98,19 @@ fn used_part(mesh: &Mesh, layout: &SceneLayout) -> (Mesh, Vec<GroupLabel>) {
     (out, labels)
 }
 
-/// Texture coordinates have two components and v downwards, normals have unit length, and names
+/// Texture coordinates have two components and v downwards, colours are linear, normals have unit length, and names
 /// that glTF does not know begin with `_`.
-fn convert(attribute: &Attribute, texture_v_down: bool) -> Attribute {
+fn convert(attribute: &Attribute, layout: &SceneLayout) -> Attribute {
     let mut out = attribute.clone();
     if out.name.starts_with("TEXCOORD_") && out.components >= 2 {
         out.values = out.values.chunks_exact(out.components).flat_map(|uvw| [uvw[0], uvw[1]]).collect();
         out.components = 2;
-        if !texture_v_down {
+        if !layout.texture_v_down {
             out.values.chunks_exact_mut(2).for_each(|uv| uv[1] = 1.0 - uv[1]);
         }
+    }
+    if out.name.starts_with("COLOR_") && out.components >= 3 && !layout.has_linear_colors {
+        out.values.chunks_exact_mut(out.components).for_each(|c| c[..3].iter_mut().for_each(|c| *c = to_linear(*c)));
     }
     if out.name == "NORMAL" && out.components == 3 {
         out.values.chunks_exact_mut(3).for_each(make_unit);

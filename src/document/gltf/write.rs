@@ -10,7 +10,8 @@ use super::accessor::Layout;
 use super::column::{Column, Content};
 use super::json::{items, items_mut, remove, remove_extension, text, uint};
 use super::schema::{DRACO_EXTENSION, MESHOPT_EXTENSIONS};
-use super::{GltfSource, SetSource, container, json as tree_json, pack, resource, usage};
+use super::{GltfSource, SetSource, container, json as tree_json, pack, usage};
+use crate::document::lookup::image_type;
 use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
 
@@ -282,7 +283,7 @@ fn embeddable_images(source: &GltfSource) -> Vec<pack::Image<'_>> {
     let json = items(&source.tree, "images");
     let images = source.images.iter().enumerate().filter_map(|(index, image)| {
         let bytes = image.bytes(&source.files).filter(|bytes| !bytes.is_empty())?;
-        let mime_type = resource::image_type(bytes).or_else(|| text(&json[index], "mimeType"))?;
+        let mime_type = image_type(bytes).or_else(|| text(&json[index], "mimeType"))?;
         Some(pack::Image { index, bytes, mime_type })
     });
     images.collect()

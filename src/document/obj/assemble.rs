@@ -5,15 +5,14 @@
 
 use super::ObjSource;
 use super::notice::Notice;
-use super::polygon::Triangulator;
 use super::statements::{HAS_NORMAL, HAS_TEXCOORD, Signature, Smoothing, Statements};
-use super::table::RowTable;
+use crate::document::content::Content;
+use crate::document::faces::IDENTITY;
+use crate::document::polygon::Triangulator;
+use crate::document::row_table::RowTable;
 use crate::document::{GroupLabel, Instance, SceneLayout};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::{Attribute, Blend, Group, Mesh, Part, WedgeSet};
-
-/// The unit matrix, column-major.
-const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 /// The wedges of one signature, as `(v, vt, vn)`; absent ones are 0.
 struct Wedges {
@@ -96,7 +95,8 @@ pub(super) fn assemble(name: &str, mut file: Statements) -> Result<ObjSource, Er
     if mesh.positions.len() >= u32::MAX as usize || mesh.triangles.len() >= u32::MAX as usize / 4 {
         return Err(too_large(name));
     }
-    Ok(ObjSource { mesh, layout, smoothing_groups, warnings: file.notices.into_warnings(name) })
+    let content = Content { mesh, layout, warnings: file.notices.into_warnings(name) };
+    Ok(ObjSource { content, smoothing_groups })
 }
 
 /// The triangles of each group, as wedge numbers within its set.

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::notice::{Notice, Notices};
-use super::scan::{Fault, Scanner};
+use crate::document::scan::{Fault, Scanner};
 use crate::error::{Error, ErrorCode};
 
 /// Stands for "no texture coordinate" or "no normal" in a corner.
@@ -386,21 +386,38 @@ impl<'a> Parser<'a> {
         number
     }
 
-    /// `mtllib a.mtl b.mtl`: several names, which may contain blanks, so a name ends with `.mtl`.
+    /// `mtllib a.mtl b.mtl`.
     fn material_library(&mut self) {
-        let bytes = self.scan.rest_of_line();
-        let text = String::from_utf8_lossy(&bytes);
-        let mut rest = text.as_ref();
-        while !rest.is_empty() {
-            let end = end_of_library_name(rest);
-            let name = rest[..end].replace(|c: char| c.is_ascii_control(), " ");
-            let name = name.trim_matches(' ').to_owned();
-            if !name.is_empty() && self.known_libraries.insert(name.clone()) {
+        for name in split_library_names(&self.scan.rest_of_line()) {
+            if self.known_libraries.insert(name.clone()) {
                 self.out.material_libraries.push(name);
             }
-            rest = rest[end..].trim_ascii_start();
         }
     }
+}
+
+/// The material libraries that the text of an OBJ file names, without reading anything else.
+pub(super) fn library_names(bytes: &[u8]) -> Vec<String> {
+    let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii_start);
+    let lists = lines.filter_map(|line| line.strip_prefix(b"mtllib"));
+    lists.filter(|list| list.first().is_some_and(u8::is_ascii_whitespace)).flat_map(split_library_names).collect()
+}
+
+/// Several names, which may contain blanks, so a name ends with `.mtl`.
+fn split_library_names(bytes: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut rest = text.trim_ascii();
+    let mut names = Vec::new();
+    while !rest.is_empty() {
+        let end = end_of_library_name(rest);
+        let name = rest[..end].replace(|c: char| c.is_ascii_control(), " ");
+        let name = name.trim_matches(' ').to_owned();
+        if !name.is_empty() {
+            names.push(name);
+        }
+        rest = rest[end..].trim_ascii_start();
+    }
+    names
 }
 
 /// Where the first name of a list of `.mtl` files ends: after `.mtl` and before a blank.

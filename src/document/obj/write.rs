@@ -6,9 +6,11 @@
 
 use std::collections::BTreeMap;
 
-use super::place::Placement;
-use super::table::RowTable;
-use super::text::Text;
+use crate::document::color::to_srgb;
+use crate::document::flat::{color, normal, texcoord};
+use crate::document::place::Placement;
+use crate::document::row_table::RowTable;
+use crate::document::text::Text;
 use crate::document::{GroupLabel, SceneLayout};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::{Attribute, Mesh, WedgeSet};
@@ -29,7 +31,7 @@ pub(super) fn write(mesh: &Mesh, layout: &SceneLayout, smoothing_groups: &[Optio
     for library in &layout.material_libraries {
         text.line("mtllib", library);
     }
-    let elements = Elements::new(mesh);
+    let elements = Elements::new(mesh, layout.has_linear_colors);
     let mut names = Names::new(layout);
     let mut last_smoothing = None;
     // Elements written so far, by kind. Texture coordinates are the same in every instance.
@@ -102,18 +104,6 @@ fn estimated_length(mesh: &Mesh, layout: &SceneLayout) -> Result<usize, Error> {
         .ok_or_else(|| Error::new(ErrorCode::TooLarge, "instances", "the text would exceed 2 GB"))
 }
 
-fn attribute<'a>(set: &'a WedgeSet, name: &str, components: &[usize]) -> Option<&'a Attribute> {
-    set.attributes.iter().find(|a| a.name == name && components.contains(&a.components))
-}
-
-fn texcoord(set: &WedgeSet) -> Option<&Attribute> {
-    attribute(set, "TEXCOORD_0", &[2])
-}
-
-fn normal(set: &WedgeSet) -> Option<&Attribute> {
-    attribute(set, "NORMAL", &[3])
-}
-
 /// Distinct elements of every part, and which of them each wedge uses.
 struct Elements {
     parts: Vec<PartElements>,
@@ -134,12 +124,12 @@ struct PartElements {
 }
 
 impl Elements {
-    fn new(mesh: &Mesh) -> Self {
+    fn new(mesh: &Mesh, has_linear_colors: bool) -> Self {
         let mut is_used = vec![false; mesh.positions.len()];
         for &wedge in mesh.triangles.iter().flatten() {
             is_used[wedge as usize] = true;
         }
-        let colors = colors(mesh);
+        let colors = colors(mesh, has_linear_colors);
         let has_alpha = colors.iter().flatten().any(|color| color[3].to_bits() != 1.0_f32.to_bits());
         let mut of_wedge = vec![[0; 3]; mesh.positions.len()];
         let parts = (0..mesh.parts.len())
@@ -213,8 +203,7 @@ fn number_rows<const N: usize>(
 }
 
 /// The colour of each wedge that has one; empty if none has.
-fn colors(mesh: &Mesh) -> Vec<Option<[f32; 4]>> {
-    let color = |set| attribute(set, "COLOR_0", &[3, 4]);
+fn colors(mesh: &Mesh, is_linear: bool) -> Vec<Option<[f32; 4]>> {
     if !mesh.wedge_sets.iter().any(|set| color(set).is_some()) {
         return Vec::new();
     }
@@ -222,7 +211,8 @@ fn colors(mesh: &Mesh) -> Vec<Option<[f32; 4]>> {
     for set in &mesh.wedge_sets {
         let Some(attribute) = color(set) else { continue };
         for (wedge, values) in set.wedges.clone().zip(attribute.values.chunks_exact(attribute.components)) {
-            colors[wedge] = Some([values[0], values[1], values[2], values.get(3).copied().unwrap_or(1.0)]);
+            let [r, g, b] = [values[0], values[1], values[2]].map(|c| if is_linear { to_srgb(c) } else { c });
+            colors[wedge] = Some([r, g, b, values.get(3).copied().unwrap_or(1.0)]);
         }
     }
     colors

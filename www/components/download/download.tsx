@@ -1,4 +1,5 @@
 // The button `Download` and the choice of its format.
+import { FORMAT_NAMES, isOutputFormat } from '../../state.ts';
 import type { OutputFormat } from '../../state.ts';
 import { Icon } from '../icon/icon.tsx';
 import './download.css';
@@ -17,9 +18,8 @@ export function Download({ format, busy, onFormat, onDownload }: DownloadProps) 
         <Icon name="download" />
         <span>Download</span>
       </button>
-      <select aria-label="File format" value={format} onChange={(event) => onFormat(event.currentTarget.value === 'obj' ? 'obj' : 'glb')}>
-        <option value="glb">GLB</option>
-        <option value="obj">OBJ</option>
+      <select aria-label="File format" value={format} onChange={(event) => isOutputFormat(event.currentTarget.value) && onFormat(event.currentTarget.value)}>
+        {Object.entries(FORMAT_NAMES).map(([value, name]) => <option key={value} value={value}>{name}</option>)}
       </select>
     </div>
   );

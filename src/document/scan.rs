@@ -1,4 +1,4 @@
-//! A cursor over the bytes of an OBJ file: blanks, line ends, words and numbers.
+//! A cursor over the bytes of a text format: blanks, line ends, words and numbers.
 //!
 //! Lines end at `\n`, `\r\n` or a lone `\r`; a backslash at the end of a line continues it.
 //! Every step moves forward, so a file of any content is read in time linear in its length.
@@ -41,6 +41,11 @@ impl<'a> Scanner<'a> {
     /// Whether nothing is left.
     pub(super) fn is_at_end(&self) -> bool {
         self.at >= self.bytes.len()
+    }
+
+    /// Bytes that are left.
+    pub(super) fn remaining(&self) -> usize {
+        self.bytes.len().saturating_sub(self.at)
     }
 
     #[inline]
@@ -168,6 +173,65 @@ impl<'a> Scanner<'a> {
             return Err(Fault::Missing);
         }
         parse_slowly(self.word())
+    }
+
+    /// [`Scanner::number`] as a call, for where speed is not all: inlined it is large.
+    #[inline(never)]
+    pub(super) fn next_number(&mut self) -> Result<f32, Fault> {
+        self.number()
+    }
+
+    /// As [`Scanner::number`], but NaN for what is not finite.
+    pub(super) fn number_or_nan(&mut self) -> Result<f32, Fault> {
+        match self.next_number() {
+            Err(Fault::NotFinite) => Ok(f32::NAN),
+            result => result,
+        }
+    }
+
+    /// The next word as an integer that `f64` holds exactly; any other number is taken too, since
+    /// some programs write `255.0` for it.
+    #[inline(never)]
+    pub(super) fn integer(&mut self) -> Result<f64, Fault> {
+        self.skip_blanks();
+        let start = self.at;
+        let negative = self.peek() == Some(b'-');
+        self.at += usize::from(negative);
+        let digits = self.at;
+        let mut value = 0_u64;
+        while let Some(digit @ b'0'..=b'9') = self.peek() {
+            value = value.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
+            self.at += 1;
+        }
+        if (1..16).contains(&(self.at - digits)) && self.is_at_word_end() {
+            #[allow(clippy::cast_precision_loss)] // 15 digits
+            let magnitude = value as f64;
+            return Ok(if negative { -magnitude } else { magnitude });
+        }
+        self.at = start;
+        self.next_number().map(f64::from)
+    }
+
+    /// Steps over a word; `Missing` at the end of the line.
+    pub(super) fn skip_word(&mut self) -> Result<(), Fault> {
+        self.skip_blanks();
+        if self.is_at_line_end() {
+            return Err(Fault::Missing);
+        }
+        self.word();
+        Ok(())
+    }
+
+    /// Moves to the next line that has more than blanks and a comment; a line with words is not left.
+    #[inline(never)]
+    pub(super) fn skip_blank_lines(&mut self) {
+        loop {
+            self.skip_blanks();
+            if self.is_at_end() || !self.is_at_line_end() {
+                return;
+            }
+            self.finish_line();
+        }
     }
 
     /// The number at the cursor, if the result of a short calculation in `f64` is certain to

@@ -5,7 +5,9 @@
 //! is an ear if it is convex and no other corner lies in or on its triangle; "on" keeps collinear
 //! corners, which exporters leave at T-junctions, from ending up in triangles without area.
 
-use super::grid::Grid;
+mod grid;
+
+use grid::Grid;
 
 /// What a triangulation costs and yields; buffers are reused from polygon to polygon.
 #[derive(Debug)]
@@ -47,6 +49,7 @@ impl Triangulator {
     /// `corners.len() - 2` triangles of corner numbers, wound as the polygon is, and whether all of
     /// them were found by the rules, which holds for polygons that do not cross themselves. At
     /// least three corners.
+    #[inline(never)]
     pub(super) fn triangulate(&mut self, corners: &[[f32; 3]]) -> (&[[usize; 3]], bool) {
         self.triangles.clear();
         let regular = match corners.len() {

@@ -1,4 +1,4 @@
-//! The bytes of an OBJ file: lines of numbers and names, formatted without allocation.
+//! The bytes of a text format: lines of numbers and names, formatted without allocation.
 
 /// Grows by whole lines.
 pub(super) struct Text {
@@ -40,12 +40,40 @@ impl Text {
     }
 
     /// Further numbers in the open line, each as the shortest text that reads back the same.
+    #[inline(never)]
     pub(super) fn more_numbers(&mut self, values: &[f32]) {
         for &value in values {
             let digits = self.float.format_finite(value);
             self.bytes.push(b' ');
             self.bytes.extend_from_slice(digits.strip_suffix(".0").unwrap_or(digits).as_bytes());
         }
+    }
+
+    /// Numbers at the start of a line; the line stays open.
+    pub(super) fn first_numbers(&mut self, values: &[f32]) {
+        let start = self.bytes.len();
+        self.more_numbers(values);
+        // The blank before the first.
+        self.bytes.remove(start);
+    }
+
+    /// As [`Text::more_numbers`], with a point or an exponent in each.
+    pub(super) fn more_decimals(&mut self, values: &[f32]) {
+        for &value in values {
+            self.bytes.push(b' ');
+            self.bytes.extend_from_slice(self.float.format_finite(value).as_bytes());
+        }
+    }
+
+    /// A line of a keyword and three indices.
+    #[inline]
+    pub(super) fn indices(&mut self, keyword: &str, indices: [usize; 3]) {
+        self.bytes.extend_from_slice(keyword.as_bytes());
+        for index in indices {
+            self.bytes.push(b' ');
+            self.index(index);
+        }
+        self.end_line();
     }
 
     /// Ends the open line.

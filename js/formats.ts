@@ -1,0 +1,19 @@
+// The formats that can be written, and which one to write when nobody named one.
+
+import type { Format, OutputFormat } from './types.js';
+
+// A record and not a list, so that the compiler notices a format that is missing here.
+const OUTPUTS: Readonly<Record<OutputFormat, true>> = { glb: true, obj: true, ply: true, stl: true, off: true, smf: true };
+
+/** Every format that can be written, by its usual extension. */
+export const OUTPUT_FORMATS: readonly OutputFormat[] = Object.keys(OUTPUTS) as OutputFormat[];
+
+/** Whether `value` names a format that can be written. */
+export function isOutputFormat(value: unknown): value is OutputFormat {
+  return typeof value === 'string' && Object.hasOwn(OUTPUTS, value);
+}
+
+/** The format to write for a document read from `format`: the same, or GLB where that cannot be written. */
+export function usualFormat(format: Format): OutputFormat {
+  return isOutputFormat(format) ? format : 'glb';
+}
