@@ -437,7 +437,7 @@ impl Simplifier {
         let mut refused = false;
         let mut key = f32::INFINITY;
         for tries in 0..=TRIES {
-            let Some((index, edge)) = self.edges.cheapest() else { break };
+            let Some((index, edge)) = self.edges.cheapest(&self.topology) else { break };
             let cost = edge.placement.cost;
             if cost > self.threshold || tries == TRIES {
                 key = cost;

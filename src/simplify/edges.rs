@@ -1,8 +1,8 @@
 //! The edges at a vertex: where each may be merged, and what that costs.
 
 use super::PlacementRule;
-use super::lanes::{Lanes3, WIDTH};
-use super::placement::{self, Placement};
+use super::lanes::{Lanes, Lanes3, WIDTH};
+use super::placement::{self, Placement, Placements};
 use super::quadric::{Packed, QuadricLanes, Vec3};
 use super::topology::{Form, NONE, Topology};
 use super::vertex_kind::{self, Freedom, Polyline, VertexKind};
@@ -10,12 +10,11 @@ use super::vertex_kind::{self, Freedom, Polyline, VertexKind};
 /// The edges at one vertex, in parallel arrays padded to whole lanes.
 #[derive(Debug, Default)]
 pub(super) struct Edges {
-    neighbours: Vec<u32>,
-    freedoms: Vec<Freedom>,
-    costs: Vec<f32>,
-    x: Vec<f32>,
-    y: Vec<f32>,
-    z: Vec<f32>,
+    /// The neighbour and freedom of each; empty if they are the vertex's ring and all free.
+    listed: Vec<(u32, Freedom)>,
+    vertex: u32,
+    /// Four edges each; the lanes behind the last edge cost infinitely much.
+    placements: Vec<Placements>,
     /// Neighbours whose merged position is to be solved.
     solved: Vec<u32>,
 }
@@ -32,11 +31,9 @@ impl Edges {
     /// Finds every edge at `v` that the kinds allow, at its best placement.
     #[inline(always)]
     pub(super) fn gather(&mut self, topology: &Topology, polylines: &[Polyline], rule: PlacementRule, v: u32) {
-        for list in [&mut self.costs, &mut self.x, &mut self.y, &mut self.z] {
-            list.clear();
-        }
-        self.neighbours.clear();
-        self.freedoms.clear();
+        self.listed.clear();
+        self.placements.clear();
+        self.vertex = v;
         let own = &topology.vertices[v as usize];
         let ring = topology.ring(v);
         let free = rule == PlacementRule::Optimal
@@ -44,7 +41,7 @@ impl Edges {
             && ring.iter().all(|&w| topology.vertices[w as usize].kind == VertexKind::Manifold);
         if free {
             // The usual case, without a look at each pair of kinds.
-            solve(topology, v, ring, self);
+            self.solve(topology, v, ring);
         } else {
             self.gather_by_kind(topology, polylines, rule, v);
         }
@@ -87,63 +84,74 @@ impl Edges {
                     if first.cost <= second.cost { (Freedom::AtFirst, first) } else { (Freedom::AtSecond, second) }
                 }
             };
-            self.push(Edge { neighbour: w, freedom, placement });
+            self.push(w, freedom, placement);
         }
-        let first = self.neighbours.len();
-        solve(topology, v, &solved, self);
-        self.costs.truncate(first + solved.len());
+        // Whole lanes before those that are solved.
+        while !self.listed.len().is_multiple_of(WIDTH) {
+            self.listed.push((NONE, Freedom::Forbidden));
+        }
+        self.listed.extend(solved.iter().map(|&w| (w, Freedom::Anywhere)));
+        self.solve(topology, v, &solved);
         self.solved = solved;
     }
 
-    fn push(&mut self, edge: Edge) {
-        self.neighbours.push(edge.neighbour);
-        self.freedoms.push(edge.freedom);
-        self.costs.push(edge.placement.cost);
-        self.x.push(edge.placement.position.x);
-        self.y.push(edge.placement.position.y);
-        self.z.push(edge.placement.position.z);
+    fn push(&mut self, neighbour: u32, freedom: Freedom, placement: Placement) {
+        let lane = self.listed.len() % WIDTH;
+        if lane == 0 {
+            self.placements.push(Placements::none());
+        }
+        if let Some(last) = self.placements.last_mut() {
+            last.set(lane, placement);
+        }
+        self.listed.push((neighbour, freedom));
+    }
+
+    /// Solves the edges from `v` to each of `neighbours`, four at a time.
+    #[inline(always)]
+    fn solve(&mut self, topology: &Topology, v: u32, neighbours: &[u32]) {
+        let own = &topology.vertices[v as usize];
+        // The lines of borders and seams have no area vectors; among them nothing is a tip.
+        let planes = own.kind == VertexKind::Manifold;
+        let a = QuadricLanes::splat(&own.quadric());
+        let a = if planes { placement::stiffened(&a) } else { a };
+        let u = Lanes3::splat(own.position());
+        let mut last = Lanes::splat(neighbours.len() as f32 - 0.5);
+        for four in neighbours.chunks(WIDTH) {
+            let others: [&Packed; WIDTH] =
+                std::array::from_fn(|k| &topology.vertices[four[if k < four.len() { k } else { 0 }] as usize].packed);
+            let (v, b) = QuadricLanes::gather(others);
+            let b = if planes { placement::stiffened(&b) } else { b };
+            let mut found = placement::solve(u, &a, v, &b);
+            let counts = Lanes::new(Lanes::INDEX).at_most(last);
+            found.cost = Lanes::select(counts, found.cost, Lanes::splat(f32::INFINITY));
+            last = last - Lanes::splat(WIDTH as f32);
+            self.placements.push(found);
+        }
     }
 
     /// The cheapest edge that was not refused; the first of equals.
     #[inline(always)]
-    pub(super) fn cheapest(&self) -> Option<(usize, Edge)> {
+    pub(super) fn cheapest(&self, topology: &Topology) -> Option<(usize, Edge)> {
         let (mut best, mut least) = (0, f32::INFINITY);
-        for (i, &cost) in self.costs[..self.neighbours.len()].iter().enumerate() {
-            (best, least) = if cost < least { (i, cost) } else { (best, least) };
+        let mut index = 0;
+        for placements in &self.placements {
+            for cost in placements.cost.to_array() {
+                (best, least) = if cost < least { (index, cost) } else { (best, least) };
+                index += 1;
+            }
         }
         (least < f32::INFINITY).then(|| {
-            let position = Vec3 { x: self.x[best], y: self.y[best], z: self.z[best] };
-            let placement = Placement { position, cost: least };
-            (best, Edge { neighbour: self.neighbours[best], freedom: self.freedoms[best], placement })
+            let (neighbour, freedom) = match self.listed.get(best) {
+                Some(&listed) => listed,
+                None => (topology.ring(self.vertex)[best], Freedom::Anywhere),
+            };
+            (best, Edge { neighbour, freedom, placement: self.placements[best / WIDTH].get(best % WIDTH) })
         })
     }
 
     /// Takes the edge out of the choice.
     pub(super) fn refuse(&mut self, index: usize) {
-        self.costs[index] = f32::INFINITY;
-    }
-}
-
-/// Appends the edges from `v` to each of `neighbours`, solved four at a time.
-#[inline(always)]
-fn solve(topology: &Topology, v: u32, neighbours: &[u32], edges: &mut Edges) {
-    let own = &topology.vertices[v as usize];
-    // The lines of borders and seams have no area vectors; among them nothing is a tip.
-    let planes = own.kind == VertexKind::Manifold;
-    let a = QuadricLanes::splat(&own.quadric());
-    let a = if planes { placement::stiffened(&a) } else { a };
-    let u = Lanes3::splat(own.position());
-    edges.neighbours.extend_from_slice(neighbours);
-    edges.freedoms.resize(edges.neighbours.len(), Freedom::Anywhere);
-    for four in neighbours.chunks(WIDTH) {
-        let others: [&Packed; WIDTH] =
-            std::array::from_fn(|k| &topology.vertices[four[if k < four.len() { k } else { 0 }] as usize].packed);
-        let (v, b) = QuadricLanes::gather(others);
-        let b = if planes { placement::stiffened(&b) } else { b };
-        let found = placement::solve(u, &a, v, &b);
-        edges.costs.extend_from_slice(&found.cost.to_array());
-        edges.x.extend_from_slice(&found.position.x.to_array());
-        edges.y.extend_from_slice(&found.position.y.to_array());
-        edges.z.extend_from_slice(&found.position.z.to_array());
+        let refused = Placement { position: Vec3::ZERO, cost: f32::INFINITY };
+        self.placements[index / WIDTH].set(index % WIDTH, refused);
     }
 }

@@ -34,6 +34,34 @@ pub(super) struct Placements {
     pub(super) cost: Lanes,
 }
 
+impl Placements {
+    /// No edge at all.
+    pub(super) fn none() -> Self {
+        Self { position: Lanes3::splat(Vec3::ZERO), cost: Lanes::splat(f32::INFINITY) }
+    }
+
+    #[inline(always)]
+    pub(super) fn get(&self, lane: usize) -> Placement {
+        let Lanes3 { x, y, z } = self.position;
+        let at = |lanes: Lanes| lanes.to_array()[lane];
+        Placement { position: Vec3 { x: at(x), y: at(y), z: at(z) }, cost: at(self.cost) }
+    }
+
+    pub(super) fn set(&mut self, lane: usize, placement: Placement) {
+        let Vec3 { x, y, z } = placement.position;
+        for (lanes, value) in [
+            (&mut self.position.x, x),
+            (&mut self.position.y, y),
+            (&mut self.position.z, z),
+            (&mut self.cost, placement.cost),
+        ] {
+            let mut values = lanes.to_array();
+            values[lane] = value;
+            *lanes = Lanes::new(values);
+        }
+    }
+}
+
 /// The best free position of each of the edges from `u` (quadric `qu`) to the `v` (`qv`):
 /// minimises (x+h)ᵀAᵤ(x+h) + (x−h)ᵀAᵥ(x−h) subject to the volume constraint, with x relative to
 /// the edge's midpoint and h half the edge. `a` and `b` are better [`stiffened`] if they are of

@@ -246,9 +246,9 @@ impl Topology {
         (vertex.ring_start, vertex.block) = (start, block);
         (vertex.ring_length, vertex.form) = (ring.len() as u32, form);
         let start = start as usize;
-        copy(&mut self.slots[start..start + ring.len()], ring);
+        copy(&mut self.slots, start, block, ring);
         if self.has_wedges {
-            copy(&mut self.wedges[start..start + ring.len()], wedges);
+            copy(&mut self.wedges, start, block, wedges);
         }
     }
 
@@ -292,8 +292,14 @@ impl Topology {
         };
         // A chain of one neighbour has no triangle left.
         vertex.ring_length = if vertex.form == Form::Open && length == 2 { 0 } else { vertex.ring_length - 1 };
-        for i in start + gone + 1..start + length {
-            self.slots[i - 1] = self.slots[i];
+        if vertex.block == LEAST_BLOCK {
+            // Of the whole block, in registers: a call of `memmove` takes longer.
+            if let Some(slots) = self.slots[start..start + 8].first_chunk_mut::<8>() {
+                let old = *slots;
+                *slots = std::array::from_fn(|k| if k < gone { old[k] } else { old[(k + 1) & 7] });
+            }
+        } else {
+            self.slots.copy_within(start + gone + 1..start + length, start + gone);
         }
         if self.has_wedges {
             self.wedges.copy_within(start + gone + 1..start + length, start + gone);
@@ -364,11 +370,15 @@ fn root(merged_into: &mut [u32], v: u32) -> u32 {
     }
 }
 
-/// A loop, because the runs are short and a call of `memcpy` is not.
+/// Copies the values to a block. Short ones in registers: a call of `memcpy` takes longer.
 #[inline(always)]
-fn copy(to: &mut [u32], from: &[u32]) {
-    for (to, &from) in to.iter_mut().zip(from) {
-        *to = from;
+fn copy(slots: &mut [u32], start: usize, block: u8, values: &[u32]) {
+    if block == LEAST_BLOCK
+        && let Some(to) = slots[start..start + 8].first_chunk_mut::<8>()
+    {
+        *to = std::array::from_fn(|k| values.get(k).copied().unwrap_or(NONE));
+    } else {
+        slots[start..start + values.len()].copy_from_slice(values);
     }
 }
 
