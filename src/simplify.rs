@@ -38,7 +38,7 @@ use topology::Topology;
 use vertex_kind::{Freedom, Polyline};
 
 /// How strongly the lines of borders and seams hold, against the planes of the surface.
-const LINE_WEIGHT: f32 = 1.0;
+const LINE_WEIGHT: f32 = 4.0;
 
 /// Octaves of the cost from one threshold to the next for a run whose record is to be read at any
 /// level. A level in the middle of a wide sweep has a quarter more error than a run to that count;

@@ -3,9 +3,10 @@
 use super::lanes::{Lanes, Lanes3, Mask};
 use super::topology::Corner;
 
-/// Smallest cosine between a triangle's normal before and after: about 78°. Smaller values let
-/// folds through on noisy scans, larger ones block collapses that flatten noise.
-const MIN_NORMAL_COSINE: f32 = 0.2;
+/// Smallest cosine between a triangle's normal before and after: about 70°. Smaller values let
+/// folds through on noisy scans (0.2: a third more flipped triangles), larger ones block collapses
+/// that flatten noise.
+const MIN_NORMAL_COSINE: f32 = 0.35;
 
 /// Smallest ratio of twice the area to the longest edge squared; below it a triangle counts as
 /// degenerate and may not be made. Far above `f32`'s rounding, far below any visible sliver.

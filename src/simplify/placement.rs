@@ -17,7 +17,7 @@ const REGULARISATION: f32 = 2e-6;
 const REACH: f32 = 16.0;
 
 /// κ of [`stiffened`].
-const TIP_STIFFNESS: f32 = 1.5;
+const TIP_STIFFNESS: f32 = 4.0;
 
 /// A position for a merged vertex and its cost.
 #[derive(Debug, Clone, Copy)]
