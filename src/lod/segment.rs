@@ -1,0 +1,456 @@
+//! A segment of the history: the mesh at its first level, and what happens to each vertex after that.
+//!
+//! Where the history says *when*, a segment says *whom*: for each wedge how long it lasts and what
+//! it merges into, for each vertex its positions one after the other. All are in the order of the
+//! original mesh, so extracting a level reads a few arrays from one end to the other and does not
+//! jump about as the collapses do.
+//!
+//! Times are numbers of collapses since the segment's first level. Wedges, vertices and triangles
+//! are numbered within the segment, in the order of the original.
+
+use super::LevelMesh;
+use super::blend::{WedgeAttributes, edge_parameter};
+use super::versions::Versions;
+use crate::collapse_sequence::CollapseSequence;
+use crate::mesh::weld::NO_VERTEX;
+use crate::mesh::{Group, Mesh, WedgeSet};
+
+/// After every collapse.
+const NEVER: u32 = u32::MAX;
+
+/// The levels after `first` collapses and up to `length` more.
+#[derive(Debug)]
+pub(super) struct Segment {
+    first: usize,
+    length: usize,
+    /// The mesh at the first level; nothing for the segment that begins with the original itself.
+    snapshot: Option<Snapshot>,
+    /// The time until which each wedge is in use; 0 if it never is.
+    lasts: Vec<u32>,
+    /// The wedge that each merges into then, or itself.
+    goes_into: Vec<u32>,
+    versions: Versions,
+    /// What only a mesh has some of whose vertices have several wedges.
+    seams: Option<Seams>,
+    /// Merges that change attributes, in order.
+    blends: Vec<Blending>,
+}
+
+/// A mesh at the first level of a segment, with names for what it is made of.
+#[derive(Debug)]
+pub(super) struct Snapshot {
+    level: LevelMesh,
+    /// Vertex of each wedge, numbered in the segment; empty if each vertex has one wedge.
+    vertex_of_wedge: Vec<u32>,
+    /// Names of the vertices as in the history, rising; empty if each vertex has one wedge.
+    vertices: Vec<u32>,
+    /// Position of each vertex; empty if each vertex has one wedge.
+    positions: Vec<[f32; 3]>,
+}
+
+#[derive(Debug)]
+struct Seams {
+    /// Time and successor of each vertex.
+    vertex_lasts: Vec<u32>,
+    vertex_goes_into: Vec<u32>,
+    /// The time until which each triangle is there.
+    triangle_lasts: Vec<u32>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Blending {
+    time: u32,
+    from: u32,
+    into: u32,
+    parameter: f32,
+}
+
+/// What a segment is made from.
+pub(super) struct Source<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) sequence: &'a CollapseSequence,
+    /// Each vertex has one wedge.
+    pub(super) plain: bool,
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(mesh: &'a Mesh, sequence: &'a CollapseSequence) -> Self {
+        let plain = sequence.vertex_of_wedge.iter().zip(0..).all(|(&v, w)| v == w || v == NO_VERTEX);
+        Self { mesh, sequence, plain }
+    }
+}
+
+/// The numbers in the segment of names in the history.
+enum Numbers<'a> {
+    Same,
+    Rising(&'a [u32]),
+}
+
+impl Numbers<'_> {
+    /// A table of them for quick look-up, made in `table`.
+    fn fill(&self, table: &mut Vec<u32>, names: usize) {
+        if let Self::Rising(list) = self {
+            table.resize(names, NO_VERTEX);
+            for (&name, number) in list.iter().zip(0..) {
+                table[name as usize] = number;
+            }
+        }
+    }
+
+    fn of(&self, table: &[u32], name: u32) -> Option<usize> {
+        match self {
+            Self::Same => Some(name as usize),
+            Self::Rising(_) => table.get(name as usize).filter(|&&n| n != NO_VERTEX).map(|&n| n as usize),
+        }
+    }
+}
+
+impl Segment {
+    /// The segment of `length` collapses after `first`, from the mesh there, which is the original
+    /// if no `snapshot` is given.
+    pub(super) fn new(source: &Source<'_>, first: usize, length: usize, snapshot: Option<Snapshot>) -> Self {
+        let Source { mesh, sequence, plain } = *source;
+        let state = snapshot.as_ref().map_or(mesh, |s| &s.level.mesh);
+        let wedge_numbers = snapshot.as_ref().map_or(Numbers::Same, |s| Numbers::Rising(&s.level.wedge_map));
+        let vertex_numbers = match &snapshot {
+            Some(s) if !plain => Numbers::Rising(&s.vertices),
+            Some(s) => Numbers::Rising(&s.level.wedge_map),
+            None => Numbers::Same,
+        };
+        let (mut wedge_table, mut vertex_table) = (Vec::new(), Vec::new());
+        wedge_numbers.fill(&mut wedge_table, mesh.positions.len());
+        if !plain {
+            vertex_numbers.fill(&mut vertex_table, mesh.positions.len());
+        }
+        let vertex = |name: u32| vertex_numbers.of(if plain { &wedge_table } else { &vertex_table }, name);
+        let wedge = |name: u32| wedge_numbers.of(&wedge_table, name);
+        let at_first = match &snapshot {
+            Some(s) if !plain => s.positions.as_slice(),
+            _ => state.positions.as_slice(),
+        };
+
+        // When and into what the vertices go, and where they are put.
+        let collapses = &sequence.collapses[first..first + length];
+        let mut vertex_lasts = vec![NEVER; at_first.len()];
+        let mut vertex_goes_into: Vec<u32> = (0..at_first.len() as u32).collect();
+        for (collapse, time) in collapses.iter().zip(1..) {
+            if let (Some(from), Some(into)) = (vertex(collapse.from), vertex(collapse.into)) {
+                vertex_lasts[from] = time;
+                vertex_goes_into[from] = into as u32;
+            }
+        }
+        let fitted = if first + length == sequence.collapses.len() { sequence.fitted.as_slice() } else { &[] };
+        let placed = || {
+            let collapsed = collapses.iter().zip(1..).map(|(c, time)| (c.into, c.position, time));
+            collapsed.chain(fitted.iter().map(|&(v, position)| (v, position, length as u32)))
+        };
+        let own = |name: u32, position: [f32; 3]| {
+            // A vertex that did not move keeps its own bits: the sign of a zero.
+            let before = mesh.positions[name as usize];
+            if plain && before == position { before } else { position }
+        };
+        let versions = Versions::new(at_first.len(), || {
+            placed().filter_map(|(name, position, time)| Some((vertex(name)?, own(name, position), time)))
+        });
+
+        let has_attributes = state.wedge_sets.iter().any(|set| !set.attributes.is_empty());
+        let blends = if has_attributes { blends(source, first, length, at_first, vertex, wedge) } else { Vec::new() };
+
+        // The same for wedges and triangles; a wedge is in use as long as a triangle is that has it.
+        let mut merged = None;
+        if !plain {
+            let mut lasts = vec![NEVER; state.positions.len()];
+            let mut goes_into: Vec<u32> = (0..state.positions.len() as u32).collect();
+            for (merges, time) in sequence.merges_from(first).take(length).zip(1..) {
+                for (from, into) in merges {
+                    if let (Some(from), Some(into)) = (wedge(from), wedge(into)) {
+                        lasts[from] = time;
+                        goes_into[from] = into as u32;
+                    }
+                }
+            }
+            merged = Some((lasts, goes_into));
+        }
+        let (merge_times, goes_into) =
+            merged.as_ref().map_or((&vertex_lasts, &vertex_goes_into), |(times, into)| (times, into));
+        let vertex_of = |w: u32| match &snapshot {
+            _ if plain => w,
+            Some(s) => s.vertex_of_wedge[w as usize],
+            None => sequence.vertex_of_wedge[w as usize],
+        };
+        let mut triangle_lasts = Vec::with_capacity(if plain { 0 } else { state.triangles.len() });
+        let mut lasts = vec![0_u32; state.positions.len()];
+        for t in &state.triangles {
+            let end = end_of_triangle(t.map(vertex_of), &vertex_lasts, &vertex_goes_into);
+            if !plain {
+                triangle_lasts.push(end);
+            }
+            for &corner in t {
+                let (mut w, mut since) = (corner as usize, 0);
+                while since < end {
+                    since = merge_times[w].min(end);
+                    lasts[w] = lasts[w].max(since);
+                    w = goes_into[w] as usize;
+                }
+            }
+        }
+        let (goes_into, seams) = match merged {
+            Some((_, goes_into)) => (goes_into, Some(Seams { vertex_lasts, vertex_goes_into, triangle_lasts })),
+            None => (vertex_goes_into, None),
+        };
+        Self { first, length, snapshot, lasts, goes_into, versions, seams, blends }
+    }
+
+    /// Number of collapses before the first level.
+    pub(super) fn first(&self) -> usize {
+        self.first
+    }
+
+    /// Number of collapses before its last level.
+    pub(super) fn end(&self) -> usize {
+        self.first + self.length
+    }
+
+    /// Bytes on the heap.
+    pub(super) fn byte_count(&self) -> usize {
+        let words = |list: &[u32]| size_of_val(list);
+        let mut bytes = words(&self.lasts) + words(&self.goes_into) + self.versions.byte_count();
+        bytes += size_of_val(self.blends.as_slice());
+        if let Some(seams) = &self.seams {
+            bytes += words(&seams.vertex_lasts) + words(&seams.vertex_goes_into) + words(&seams.triangle_lasts);
+        }
+        if let Some(Snapshot { level, vertex_of_wedge, vertices, positions }) = &self.snapshot {
+            bytes += words(&level.wedge_map) + words(vertex_of_wedge) + words(vertices);
+            bytes += size_of_val(positions.as_slice());
+            bytes += size_of_val(level.mesh.positions.as_slice()) + size_of_val(level.mesh.triangles.as_slice());
+            let sets = level.mesh.wedge_sets.iter().flat_map(|set| &set.attributes);
+            bytes += sets.map(|attribute| size_of_val(attribute.values.as_slice())).sum::<usize>();
+        }
+        bytes
+    }
+
+    /// The level after `count` collapses in all, which must be in the segment.
+    pub(super) fn extract(&self, source: &Source<'_>, count: usize) -> LevelMesh {
+        let Source { mesh, sequence, .. } = *source;
+        let time = (count - self.first).min(self.length) as u32;
+        let state = self.state(mesh);
+        let (local, new_index) = self.living(time);
+        let mut out = Mesh { parts: mesh.parts.clone(), ..Mesh::default() };
+        let left = sequence.triangle_counts.after(count);
+        out.triangles = vec![[0; 3]; left];
+        let mut end = 0;
+        for group in &state.groups {
+            let start = end;
+            end = self.triangles(state, group, time, &new_index, &mut out.triangles, start);
+            out.groups.push(Group { triangles: start..end, wedge_set: group.wedge_set });
+        }
+        out.triangles.truncate(end);
+        drop(new_index);
+
+        let original: Vec<u32> = match &self.snapshot {
+            Some(s) => local.iter().map(|&w| s.level.wedge_map[w as usize]).collect(),
+            None => Vec::new(),
+        };
+        out.positions = self.positions(mesh, source, &local, time);
+        let attributes = self.attributes(state, time);
+        let mut start = 0;
+        for (s, set) in state.wedge_sets.iter().enumerate() {
+            let end = start + local[start..].partition_point(|&w| (w as usize) < set.wedges.end);
+            out.wedge_sets.push(WedgeSet {
+                wedges: start..end,
+                part: set.part,
+                attributes: attributes.as_ref().map_or_else(Vec::new, |a| a.compact(s, &local[start..end])),
+            });
+            start = end;
+        }
+        let error = count.checked_sub(1).map_or(0.0, |last| sequence.collapses[last].error);
+        LevelMesh { mesh: out, wedge_map: if self.snapshot.is_some() { original } else { local }, error }
+    }
+
+    /// The mesh after the segment's last collapse, to begin the next one with.
+    pub(super) fn last(&self, source: &Source<'_>) -> Snapshot {
+        let level = self.extract(source, self.first + self.length);
+        let (mut vertex_of_wedge, mut vertices, mut positions) = (Vec::new(), Vec::new(), Vec::new());
+        if let Some(seams) = &self.seams {
+            let time = self.length as u32;
+            let (local, _) = self.living(time);
+            let at_end: Vec<u32> = local.iter().map(|&w| self.vertex_at(seams, source, w, time)).collect();
+            let mut number = vec![NO_VERTEX; seams.vertex_lasts.len()];
+            for &v in &at_end {
+                number[v as usize] = 0;
+            }
+            for (v, number) in number.iter_mut().enumerate().filter(|(_, number)| **number == 0) {
+                *number = vertices.len() as u32;
+                vertices.push(self.snapshot.as_ref().map_or(v as u32, |s| s.vertices[v]));
+                positions.push(self.position(source.mesh, v, time));
+            }
+            vertex_of_wedge = at_end.into_iter().map(|v| number[v as usize]).collect();
+        }
+        Snapshot { level, vertex_of_wedge, vertices, positions }
+    }
+
+    fn state<'a>(&'a self, mesh: &'a Mesh) -> &'a Mesh {
+        self.snapshot.as_ref().map_or(mesh, |s| &s.level.mesh)
+    }
+
+    /// The wedges in use, and for each wedge of the segment the place of its ancestor among them.
+    fn living(&self, time: u32) -> (Vec<u32>, Vec<u32>) {
+        let mut living = Vec::with_capacity(self.lasts.len());
+        let mut new_index = vec![0; self.lasts.len()];
+        for ((&lasts, w), new_index) in self.lasts.iter().zip(0..).zip(&mut new_index) {
+            if lasts > time {
+                *new_index = living.len() as u32;
+                living.push(w);
+            }
+        }
+        for w in 0..self.lasts.len() {
+            if self.lasts[w] <= time && self.goes_into[w] as usize != w {
+                new_index[w] = new_index[climb(w as u32, time, &self.lasts, &self.goes_into) as usize];
+            }
+        }
+        (living, new_index)
+    }
+
+    /// Writes the group's living triangles to `out` from `start` on. Returns their end.
+    fn triangles(
+        &self,
+        state: &Mesh,
+        group: &Group,
+        time: u32,
+        new_index: &[u32],
+        out: &mut [[u32; 3]],
+        start: usize,
+    ) -> usize {
+        let mut end = start;
+        let mut put = |triangle: [u32; 3], lives: bool| {
+            // Written whether it lives or not, and the place taken only if it does: no branch.
+            if let Some(slot) = out.get_mut(end) {
+                *slot = triangle;
+                end += usize::from(lives);
+            }
+        };
+        let triangles = &state.triangles[group.triangles.clone()];
+        let moved = |t: &[u32; 3]| t.map(|w| new_index[w as usize]);
+        match &self.seams {
+            None => {
+                for t in triangles {
+                    let [a, b, c] = moved(t);
+                    put([a, b, c], (a != b) & (b != c) & (c != a));
+                }
+            }
+            Some(seams) => {
+                for (t, &lasts) in triangles.iter().zip(&seams.triangle_lasts[group.triangles.clone()]) {
+                    put(moved(t), lasts > time);
+                }
+            }
+        }
+        end
+    }
+
+    /// The vertex that a wedge in use is at.
+    fn vertex_at(&self, seams: &Seams, source: &Source<'_>, wedge: u32, time: u32) -> u32 {
+        let vertex = match &self.snapshot {
+            Some(s) => s.vertex_of_wedge[wedge as usize],
+            None => source.sequence.vertex_of_wedge[wedge as usize],
+        };
+        climb(vertex, time, &seams.vertex_lasts, &seams.vertex_goes_into)
+    }
+
+    fn position(&self, mesh: &Mesh, vertex: usize, time: u32) -> [f32; 3] {
+        let at_first = match &self.snapshot {
+            Some(s) if !s.positions.is_empty() => &s.positions,
+            Some(s) => &s.level.mesh.positions,
+            None => &mesh.positions,
+        };
+        self.versions.at(vertex, time).unwrap_or(at_first[vertex])
+    }
+
+    fn positions(&self, mesh: &Mesh, source: &Source<'_>, wedges: &[u32], time: u32) -> Vec<[f32; 3]> {
+        let Some(seams) = &self.seams else {
+            return wedges.iter().map(|&w| self.position(mesh, w as usize, time)).collect();
+        };
+        let original = |w: u32| self.snapshot.as_ref().map_or(w, |s| s.level.wedge_map[w as usize]);
+        wedges
+            .iter()
+            .map(|&w| {
+                let position = self.position(mesh, self.vertex_at(seams, source, w, time) as usize, time);
+                // A wedge that did not move keeps its own bits: the sign of a zero may differ
+                // between the wedges of a vertex.
+                let before = mesh.positions[original(w) as usize];
+                if before == position { before } else { position }
+            })
+            .collect()
+    }
+
+    fn attributes(&self, state: &Mesh, time: u32) -> Option<WedgeAttributes> {
+        if state.wedge_sets.iter().all(|set| set.attributes.is_empty()) {
+            return None;
+        }
+        let sets = state.wedge_sets.iter().map(|set| (set.wedges.start, set.attributes.as_slice()));
+        let mut attributes = WedgeAttributes::new(sets);
+        for b in self.blends.iter().take_while(|b| b.time <= time) {
+            attributes.blend(b.from, b.into, b.parameter);
+        }
+        Some(attributes)
+    }
+}
+
+/// The ancestor of `v` at `time`.
+fn climb(mut v: u32, time: u32, lasts: &[u32], goes_into: &[u32]) -> u32 {
+    while lasts[v as usize] <= time && goes_into[v as usize] != v {
+        v = goes_into[v as usize];
+    }
+    v
+}
+
+/// When two of the three vertices become one; 0 if they are.
+fn end_of_triangle(mut vertices: [u32; 3], lasts: &[u32], goes_into: &[u32]) -> u32 {
+    let [a, b, c] = vertices;
+    if a == b || b == c || c == a {
+        return 0;
+    }
+    let mut times = vertices.map(|v| lasts[v as usize]);
+    loop {
+        let next = if times[0] < times[1] { 0 } else { 1 };
+        let next = if times[2] < times[next] { 2 } else { next };
+        let time = times[next];
+        if time == NEVER {
+            return NEVER;
+        }
+        let into = goes_into[vertices[next] as usize];
+        if vertices.contains(&into) {
+            return time;
+        }
+        vertices[next] = into;
+        times[next] = lasts[into as usize];
+    }
+}
+
+/// The merges of the segment that change values, and how far along the edge each is.
+fn blends(
+    source: &Source<'_>,
+    first: usize,
+    length: usize,
+    at_first: &[[f32; 3]],
+    vertex: impl Fn(u32) -> Option<usize>,
+    wedge: impl Fn(u32) -> Option<usize>,
+) -> Vec<Blending> {
+    let sequence = source.sequence;
+    let mut positions = at_first.to_vec();
+    let mut blends = Vec::new();
+    let collapses = sequence.collapses[first..first + length].iter();
+    for ((collapse, merges), time) in collapses.zip(sequence.merges_from(first)).zip(1..) {
+        let (Some(from), Some(into)) = (vertex(collapse.from), vertex(collapse.into)) else { continue };
+        let parameter = edge_parameter(positions[from], positions[into], collapse.position);
+        positions[into] = collapse.position;
+        if parameter >= 1.0 {
+            continue;
+        }
+        for (from, into) in merges {
+            if let (Some(from), Some(into)) = (wedge(from), wedge(into)) {
+                blends.push(Blending { time, from: from as u32, into: into as u32, parameter });
+            }
+        }
+    }
+    blends
+}
