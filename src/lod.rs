@@ -3,6 +3,7 @@
 //! [`Levels`] is an index of the history for many levels; [`extract`] takes one and leaves nothing.
 
 mod blend;
+mod history;
 mod levels;
 mod once;
 mod segment;
@@ -12,7 +13,8 @@ pub use levels::Levels;
 
 use crate::collapse_sequence::CollapseSequence;
 use crate::mesh::Mesh;
-use segment::{Segment, Source};
+use history::History;
+use segment::{Segment, Source, is_plain};
 
 /// Which level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +53,9 @@ pub fn collapse_count(sequence: &CollapseSequence, level: Level) -> usize {
 #[must_use]
 pub fn extract(mesh: &Mesh, sequence: &CollapseSequence, level: Level) -> LevelMesh {
     let count = collapse_count(sequence, level);
-    let source = Source::new(mesh, sequence);
-    once::extract(&source, count).unwrap_or_else(|| Segment::new(&source, 0, count, None).extract(&source, count))
+    let source = Source { mesh, sequence, plain: is_plain(sequence) };
+    once::extract(&source, count).unwrap_or_else(|| {
+        let history = History::new(&source, count);
+        Segment::new(&source, &history, (0, count), None, &mut Vec::new()).extract(&source, count)
+    })
 }

@@ -4,7 +4,8 @@
 //! level is extracted from the last cut before it, which has at most twice its triangles; the
 //! kept meshes together are no larger than the original.
 
-use super::segment::{Segment, Snapshot, Source};
+use super::history::History;
+use super::segment::{Segment, Snapshot, Source, is_plain};
 use super::{Level, LevelMesh, collapse_count};
 use crate::collapse_sequence::CollapseSequence;
 use crate::mesh::Mesh;
@@ -20,8 +21,12 @@ const SMALLEST: usize = 256;
 #[derive(Debug, Default)]
 pub struct Levels {
     segments: Vec<Segment>,
-    /// Where the next segment begins.
+    /// Where the next segment begins, and what it needs; until all are there.
     next: Option<Snapshot>,
+    history: History,
+    numbers: Vec<u32>,
+    /// Each vertex has one wedge.
+    plain: bool,
     done: bool,
 }
 
@@ -39,8 +44,12 @@ impl Levels {
         if self.done {
             return true;
         }
-        let source = Source::new(mesh, sequence);
         let all = sequence.collapses.len();
+        if self.segments.is_empty() {
+            self.plain = is_plain(sequence);
+            self.history = History::new(&Source { mesh, sequence, plain: self.plain }, all);
+        }
+        let source = Source { mesh, sequence, plain: self.plain };
         let first = self.segments.last().map_or(0, Segment::end);
         let triangles = sequence.triangle_counts.after(first);
         let end = if triangles <= SMALLEST {
@@ -48,9 +57,12 @@ impl Levels {
         } else {
             sequence.triangle_counts.collapses_to(triangles * CUT.0 / CUT.1).max(first)
         };
-        let segment = Segment::new(&source, first, end - first, self.next.take());
+        let range = (first, end - first);
+        let segment = Segment::new(&source, &self.history, range, self.next.take(), &mut self.numbers);
         self.done = end == all;
-        if !self.done {
+        if self.done {
+            (self.history, self.numbers) = Default::default();
+        } else {
             self.next = Some(segment.last(&source));
         }
         self.segments.push(segment);
@@ -61,7 +73,7 @@ impl Levels {
     #[must_use]
     pub fn extract(&self, mesh: &Mesh, sequence: &CollapseSequence, level: Level) -> LevelMesh {
         let count = collapse_count(sequence, level);
-        let source = Source::new(mesh, sequence);
+        let source = Source { mesh, sequence, plain: self.plain };
         match self.segments.partition_point(|segment| segment.first() <= count).checked_sub(1) {
             Some(at) if count <= self.segments[at].end() => self.segments[at].extract(&source, count),
             _ => super::extract(mesh, sequence, level),

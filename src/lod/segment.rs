@@ -10,13 +10,14 @@
 
 use super::LevelMesh;
 use super::blend::{WedgeAttributes, edge_parameter};
+use super::history::{History, Successors};
 use super::versions::Versions;
 use crate::collapse_sequence::CollapseSequence;
 use crate::mesh::weld::NO_VERTEX;
 use crate::mesh::{Group, Mesh, WedgeSet};
 
 /// After every collapse.
-const NEVER: u32 = u32::MAX;
+pub(super) const NEVER: u32 = u32::MAX;
 
 /// The levels after `first` collapses and up to `length` more.
 #[derive(Debug)]
@@ -73,104 +74,50 @@ pub(super) struct Source<'a> {
     pub(super) plain: bool,
 }
 
-impl<'a> Source<'a> {
-    pub(super) fn new(mesh: &'a Mesh, sequence: &'a CollapseSequence) -> Self {
-        let plain = sequence.vertex_of_wedge.iter().zip(0..).all(|(&v, w)| v == w || v == NO_VERTEX);
-        Self { mesh, sequence, plain }
-    }
-}
-
-/// The numbers in the segment of names in the history.
-enum Numbers<'a> {
-    Same,
-    Rising(&'a [u32]),
-}
-
-impl Numbers<'_> {
-    /// A table of them for quick look-up, made in `table`.
-    fn fill(&self, table: &mut Vec<u32>, names: usize) {
-        if let Self::Rising(list) = self {
-            table.resize(names, NO_VERTEX);
-            for (&name, number) in list.iter().zip(0..) {
-                table[name as usize] = number;
-            }
-        }
-    }
-
-    fn of(&self, table: &[u32], name: u32) -> Option<usize> {
-        match self {
-            Self::Same => Some(name as usize),
-            Self::Rising(_) => table.get(name as usize).filter(|&&n| n != NO_VERTEX).map(|&n| n as usize),
-        }
-    }
+/// Whether each vertex has one wedge.
+pub(super) fn is_plain(sequence: &CollapseSequence) -> bool {
+    sequence.vertex_of_wedge.iter().zip(0..).all(|(&v, w)| v == w || v == NO_VERTEX)
 }
 
 impl Segment {
     /// The segment of `length` collapses after `first`, from the mesh there, which is the original
-    /// if no `snapshot` is given.
-    pub(super) fn new(source: &Source<'_>, first: usize, length: usize, snapshot: Option<Snapshot>) -> Self {
+    /// if no `snapshot` is given. `numbers` is room for a table.
+    pub(super) fn new(
+        source: &Source<'_>,
+        history: &History,
+        (first, length): (usize, usize),
+        snapshot: Option<Snapshot>,
+        numbers: &mut Vec<u32>,
+    ) -> Self {
         let Source { mesh, sequence, plain } = *source;
         let state = snapshot.as_ref().map_or(mesh, |s| &s.level.mesh);
-        let wedge_numbers = snapshot.as_ref().map_or(Numbers::Same, |s| Numbers::Rising(&s.level.wedge_map));
-        let vertex_numbers = match &snapshot {
-            Some(s) if !plain => Numbers::Rising(&s.vertices),
-            Some(s) => Numbers::Rising(&s.level.wedge_map),
-            None => Numbers::Same,
-        };
-        let (mut wedge_table, mut vertex_table) = (Vec::new(), Vec::new());
-        wedge_numbers.fill(&mut wedge_table, mesh.positions.len());
-        if !plain {
-            vertex_numbers.fill(&mut vertex_table, mesh.positions.len());
-        }
-        let vertex = |name: u32| vertex_numbers.of(if plain { &wedge_table } else { &vertex_table }, name);
-        let wedge = |name: u32| wedge_numbers.of(&wedge_table, name);
-        let at_first = match &snapshot {
-            Some(s) if !plain => s.positions.as_slice(),
-            _ => state.positions.as_slice(),
-        };
-
-        // When and into what the vertices go, and where they are put.
-        let collapses = &sequence.collapses[first..first + length];
-        let mut vertex_lasts = vec![NEVER; at_first.len()];
-        let mut vertex_goes_into: Vec<u32> = (0..at_first.len() as u32).collect();
-        for (collapse, time) in collapses.iter().zip(1..) {
-            if let (Some(from), Some(into)) = (vertex(collapse.from), vertex(collapse.into)) {
-                vertex_lasts[from] = time;
-                vertex_goes_into[from] = into as u32;
+        let names: Vec<u32>;
+        let wedge_names = match &snapshot {
+            Some(s) => s.level.wedge_map.as_slice(),
+            None => {
+                names = (0..mesh.positions.len() as u32).collect();
+                &names
             }
-        }
-        let fitted = if first + length == sequence.collapses.len() { sequence.fitted.as_slice() } else { &[] };
-        let placed = || {
-            let collapsed = collapses.iter().zip(1..).map(|(c, time)| (c.into, c.position, time));
-            collapsed.chain(fitted.iter().map(|&(v, position)| (v, position, length as u32)))
         };
-        let own = |name: u32, position: [f32; 3]| {
-            // A vertex that did not move keeps its own bits: the sign of a zero.
-            let before = mesh.positions[name as usize];
-            if plain && before == position { before } else { position }
+        let (vertex_names, at_first) = match &snapshot {
+            Some(s) if !plain => (s.vertices.as_slice(), s.positions.as_slice()),
+            _ => (wedge_names, state.positions.as_slice()),
         };
-        let versions = Versions::new(at_first.len(), || {
-            placed().filter_map(|(name, position, time)| Some((vertex(name)?, own(name, position), time)))
-        });
+        let part = |successors: &Successors, names: &[u32], numbers: &mut Vec<u32>| {
+            successors.part(names.iter().copied(), first, length, numbers)
+        };
+        let (vertex_lasts, vertex_goes_into) = part(&history.vertices, vertex_names, numbers);
+        let versions = history.versions.part(vertex_names.iter().copied(), first, length);
+        let merged = (!plain).then(|| part(&history.wedges, wedge_names, numbers));
 
         let has_attributes = state.wedge_sets.iter().any(|set| !set.attributes.is_empty());
-        let blends = if has_attributes { blends(source, first, length, at_first, vertex, wedge) } else { Vec::new() };
+        let blends = if has_attributes {
+            blends(source, first, length, at_first, (vertex_names, wedge_names))
+        } else {
+            Vec::new()
+        };
 
-        // The same for wedges and triangles; a wedge is in use as long as a triangle is that has it.
-        let mut merged = None;
-        if !plain {
-            let mut lasts = vec![NEVER; state.positions.len()];
-            let mut goes_into: Vec<u32> = (0..state.positions.len() as u32).collect();
-            for (merges, time) in sequence.merges_from(first).take(length).zip(1..) {
-                for (from, into) in merges {
-                    if let (Some(from), Some(into)) = (wedge(from), wedge(into)) {
-                        lasts[from] = time;
-                        goes_into[from] = into as u32;
-                    }
-                }
-            }
-            merged = Some((lasts, goes_into));
-        }
+        // A wedge is in use as long as a triangle is that has it.
         let (merge_times, goes_into) =
             merged.as_ref().map_or((&vertex_lasts, &vertex_goes_into), |(times, into)| (times, into));
         let vertex_of = |w: u32| match &snapshot {
@@ -234,6 +181,9 @@ impl Segment {
         let Source { mesh, sequence, .. } = *source;
         let time = (count - self.first).min(self.length) as u32;
         let state = self.state(mesh);
+        if let (0, Some(snapshot)) = (time, &self.snapshot) {
+            return snapshot.level.clone();
+        }
         let (local, new_index) = self.living(time);
         let mut out = Mesh { parts: mesh.parts.clone(), ..Mesh::default() };
         let left = sequence.triangle_counts.after(count);
@@ -295,19 +245,22 @@ impl Segment {
 
     /// The wedges in use, and for each wedge of the segment the place of its ancestor among them.
     fn living(&self, time: u32) -> (Vec<u32>, Vec<u32>) {
-        let mut living = Vec::with_capacity(self.lasts.len());
-        let mut new_index = vec![0; self.lasts.len()];
-        for ((&lasts, w), new_index) in self.lasts.iter().zip(0..).zip(&mut new_index) {
-            if lasts > time {
-                *new_index = living.len() as u32;
-                living.push(w);
-            }
+        // Each wedge is written to the end of both lists and counts in one: no branch.
+        let (mut living, mut gone) = (vec![0; self.lasts.len()], vec![0; self.lasts.len()]);
+        let (mut alive, mut dead) = (0, 0);
+        let mut new_index = Vec::with_capacity(self.lasts.len());
+        for (w, &lasts) in self.lasts.iter().enumerate() {
+            living[alive] = w as u32;
+            gone[dead] = w as u32;
+            new_index.push(alive as u32);
+            let lives = usize::from(lasts > time);
+            alive += lives;
+            dead += 1 - lives;
         }
-        for w in 0..self.lasts.len() {
-            if self.lasts[w] <= time && self.goes_into[w] as usize != w {
-                new_index[w] = new_index[climb(w as u32, time, &self.lasts, &self.goes_into) as usize];
-            }
+        for &w in &gone[..dead] {
+            new_index[w as usize] = new_index[climb(w, time, &self.lasts, &self.goes_into) as usize];
         }
+        living.truncate(alive);
         (living, new_index)
     }
 
@@ -432,9 +385,16 @@ fn blends(
     first: usize,
     length: usize,
     at_first: &[[f32; 3]],
-    vertex: impl Fn(u32) -> Option<usize>,
-    wedge: impl Fn(u32) -> Option<usize>,
+    (vertex_names, wedge_names): (&[u32], &[u32]),
 ) -> Vec<Blending> {
+    let number = |names: &[u32]| {
+        let mut numbers = vec![NO_VERTEX; source.mesh.positions.len()];
+        for (&name, number) in names.iter().zip(0..) {
+            numbers[name as usize] = number;
+        }
+        move |name: u32| numbers.get(name as usize).filter(|&&n| n != NO_VERTEX).map(|&n| n as usize)
+    };
+    let (vertex, wedge) = (number(vertex_names), number(wedge_names));
     let sequence = source.sequence;
     let mut positions = at_first.to_vec();
     let mut blends = Vec::new();

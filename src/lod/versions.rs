@@ -31,9 +31,37 @@ impl Versions {
         Self { ends, times, positions }
     }
 
+    /// The versions of the vertices so `named` from `first` on and up to `length` after it, counted from there.
+    pub(super) fn part(&self, named: impl Iterator<Item = u32>, first: usize, length: usize) -> Self {
+        let mut part = Self::default();
+        // What a vertex is given at the first level itself is in its position there already, but at
+        // the very start there may be a fit and nothing else.
+        let begins = if first == 0 { 0 } else { first as u32 + 1 };
+        for name in named {
+            let mut i = self.start(name as usize);
+            let end = self.ends[name as usize] as usize;
+            while i < end && self.times[i] < begins {
+                i += 1;
+            }
+            while i < end && self.times[i] as usize <= first + length {
+                part.times.push(self.times[i] - first as u32);
+                part.positions.push(self.positions[i]);
+                i += 1;
+            }
+            part.ends.push(part.times.len() as u32);
+        }
+        part.times.shrink_to_fit();
+        part.positions.shrink_to_fit();
+        part
+    }
+
+    fn start(&self, vertex: usize) -> usize {
+        vertex.checked_sub(1).map_or(0, |before| self.ends[before] as usize)
+    }
+
     /// The last position that the vertex was given until `time`, if it was given any.
     pub(super) fn at(&self, vertex: usize, time: u32) -> Option<[f32; 3]> {
-        let start = vertex.checked_sub(1).map_or(0, |before| self.ends[before] as usize);
+        let start = self.start(vertex);
         let end = self.ends[vertex] as usize;
         let last = (start..end).rev().find(|&i| self.times[i] <= time)?;
         Some(self.positions[last])
