@@ -56,6 +56,7 @@ pub fn extract(mesh: &Mesh, sequence: &CollapseSequence, level: Level) -> LevelM
     let source = Source { mesh, sequence, plain: is_plain(sequence) };
     once::extract(&source, count).unwrap_or_else(|| {
         let history = History::new(&source, count);
-        Segment::new(&source, &history, (0, count), None, &mut Vec::new()).extract(&source, count)
+        let mut segment = Segment::new(&source, &history, (0, count), None, &mut Vec::new());
+        segment.finish(&source).level
     })
 }

@@ -127,6 +127,32 @@ fn parts_groups_and_unused_wedges_stay_in_order() {
     }
 }
 
+/// Large enough for several cuts.
+#[test]
+fn pieces_that_lose_their_last_triangle_are_gone_from_every_later_level() {
+    let mut loose = support::torus(48, 24, 0.05);
+    let mut noise = Noise(5);
+    for _ in 0..400 {
+        let base = loose.positions.len() as u32;
+        let at = [noise.next() * 3.0, noise.next() * 3.0, noise.next() * 3.0];
+        loose.positions.extend([at, [at[0] + 0.01, at[1], at[2]], [at[0], at[1] + 0.01, at[2]], [at[0], at[1], 9.0]]);
+        loose.triangles.extend([[base, base + 1, base + 2], [base, base, base + 3]]);
+    }
+    let mut tangle = support::torus(24, 16, 0.05);
+    for _ in 0..1500 {
+        let n = tangle.positions.len() as f32;
+        tangle.triangles.push([0; 3].map(|_: u32| (noise.next().abs() * n) as u32 % n as u32));
+    }
+    for mesh in [loose, tangle] {
+        let mesh = Mesh::from_arrays(mesh.positions, mesh.triangles, vec![]);
+        for options in options() {
+            check("plain", &mesh, &simplify(&mesh, &options).unwrap());
+            let mesh = with_attributes(mesh.clone());
+            check("with attributes", &mesh, &simplify(&mesh, &options).unwrap());
+        }
+    }
+}
+
 #[test]
 fn the_level_at_full_count_is_the_input() {
     let mesh = with_attributes(support::torus(48, 24, 0.05));

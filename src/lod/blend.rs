@@ -1,9 +1,56 @@
 //! What becomes of attributes when wedges merge: the values at a share between two wedges.
 
+use super::segment::Source;
+use crate::mesh::weld::NO_VERTEX;
 use crate::mesh::{Attribute, Blend};
 
+/// One merge that changes the values of `into`; see [`WedgeAttributes::blend`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Blending {
+    pub(super) time: u32,
+    pub(super) from: u32,
+    pub(super) into: u32,
+    pub(super) parameter: f32,
+}
+
+/// The merges of the segment that change values, and how far along the edge each is.
+pub(super) fn blends(
+    source: &Source<'_>,
+    first: usize,
+    length: usize,
+    at_first: &[[f32; 3]],
+    (vertex_names, wedge_names): (&[u32], &[u32]),
+) -> Vec<Blending> {
+    let number = |names: &[u32]| {
+        let mut numbers = vec![NO_VERTEX; source.mesh.positions.len()];
+        for (&name, number) in names.iter().zip(0..) {
+            numbers[name as usize] = number;
+        }
+        move |name: u32| numbers.get(name as usize).filter(|&&n| n != NO_VERTEX).map(|&n| n as usize)
+    };
+    let (vertex, wedge) = (number(vertex_names), number(wedge_names));
+    let sequence = source.sequence;
+    let mut positions = at_first.to_vec();
+    let mut blends = Vec::new();
+    let collapses = sequence.collapses[first..first + length].iter();
+    for ((collapse, merges), time) in collapses.zip(sequence.merges_from(first)).zip(1..) {
+        let (Some(from), Some(into)) = (vertex(collapse.from), vertex(collapse.into)) else { continue };
+        let parameter = edge_parameter(positions[from], positions[into], collapse.position);
+        positions[into] = collapse.position;
+        if parameter >= 1.0 {
+            continue;
+        }
+        for (from, into) in merges {
+            if let (Some(from), Some(into)) = (wedge(from), wedge(into)) {
+                blends.push(Blending { time, from: from as u32, into: into as u32, parameter });
+            }
+        }
+    }
+    blends
+}
+
 /// Where `p` projects on the edge: 0 at `from`, 1 at `into`, clamped.
-pub(super) fn edge_parameter(from: [f32; 3], into: [f32; 3], p: [f32; 3]) -> f32 {
+fn edge_parameter(from: [f32; 3], into: [f32; 3], p: [f32; 3]) -> f32 {
     let (mut dot, mut squared) = (0.0_f64, 0.0_f64);
     for k in 0..3 {
         let edge = f64::from(into[k]) - f64::from(from[k]);

@@ -90,3 +90,34 @@ impl Successors {
         (times, goes_into)
     }
 }
+
+/// The ancestor of `v` at `time`.
+pub(super) fn climb(mut v: u32, time: u32, lasts: &[u32], goes_into: &[u32]) -> u32 {
+    while lasts[v as usize] <= time && goes_into[v as usize] != v {
+        v = goes_into[v as usize];
+    }
+    v
+}
+
+/// When two of the three vertices become one; 0 if they are.
+pub(super) fn end_of_triangle(mut vertices: [u32; 3], lasts: &[u32], goes_into: &[u32]) -> u32 {
+    let [a, b, c] = vertices;
+    if a == b || b == c || c == a {
+        return 0;
+    }
+    let mut times = vertices.map(|v| lasts[v as usize]);
+    loop {
+        let next = if times[0] < times[1] { 0 } else { 1 };
+        let next = if times[2] < times[next] { 2 } else { next };
+        let time = times[next];
+        if time == NEVER {
+            return NEVER;
+        }
+        let into = goes_into[vertices[next] as usize];
+        if vertices.contains(&into) {
+            return time;
+        }
+        vertices[next] = into;
+        times[next] = lasts[into as usize];
+    }
+}

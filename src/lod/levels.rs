@@ -58,12 +58,13 @@ impl Levels {
             sequence.triangle_counts.collapses_to(triangles * CUT.0 / CUT.1).max(first)
         };
         let range = (first, end - first);
-        let segment = Segment::new(&source, &self.history, range, self.next.take(), &mut self.numbers);
+        let mut segment = Segment::new(&source, &self.history, range, self.next.take(), &mut self.numbers);
+        let next = segment.finish(&source);
         self.done = end == all;
         if self.done {
             (self.history, self.numbers) = Default::default();
         } else {
-            self.next = Some(segment.last(&source));
+            self.next = Some(next);
         }
         self.segments.push(segment);
         self.done

@@ -9,8 +9,8 @@
 //! are numbered within the segment, in the order of the original.
 
 use super::LevelMesh;
-use super::blend::{WedgeAttributes, edge_parameter};
-use super::history::{History, Successors};
+use super::blend::{Blending, WedgeAttributes, blends};
+use super::history::{History, Successors, climb, end_of_triangle};
 use super::versions::Versions;
 use crate::collapse_sequence::CollapseSequence;
 use crate::mesh::weld::NO_VERTEX;
@@ -26,7 +26,7 @@ pub(super) struct Segment {
     length: usize,
     /// The mesh at the first level; nothing for the segment that begins with the original itself.
     snapshot: Option<Snapshot>,
-    /// The time until which each wedge is in use; 0 if it never is.
+    /// The time until which each wedge is in use; 0 if it never is. See [`Segment::finish`].
     lasts: Vec<u32>,
     /// The wedge that each merges into then, or itself.
     goes_into: Vec<u32>,
@@ -40,7 +40,7 @@ pub(super) struct Segment {
 /// A mesh at the first level of a segment, with names for what it is made of.
 #[derive(Debug)]
 pub(super) struct Snapshot {
-    level: LevelMesh,
+    pub(super) level: LevelMesh,
     /// Vertex of each wedge, numbered in the segment; empty if each vertex has one wedge.
     vertex_of_wedge: Vec<u32>,
     /// Names of the vertices as in the history, rising; empty if each vertex has one wedge.
@@ -56,14 +56,6 @@ struct Seams {
     vertex_goes_into: Vec<u32>,
     /// The time until which each triangle is there.
     triangle_lasts: Vec<u32>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Blending {
-    time: u32,
-    from: u32,
-    into: u32,
-    parameter: f32,
 }
 
 /// What a segment is made from.
@@ -117,35 +109,58 @@ impl Segment {
             Vec::new()
         };
 
-        // A wedge is in use as long as a triangle is that has it.
-        let (merge_times, goes_into) =
-            merged.as_ref().map_or((&vertex_lasts, &vertex_goes_into), |(times, into)| (times, into));
-        let vertex_of = |w: u32| match &snapshot {
-            _ if plain => w,
-            Some(s) => s.vertex_of_wedge[w as usize],
-            None => sequence.vertex_of_wedge[w as usize],
+        let mut segment = match merged {
+            None => {
+                let (goes_into, seams) = (vertex_goes_into, None);
+                Self { first, length, lasts: vertex_lasts, goes_into, versions, seams, blends, snapshot }
+            }
+            Some((lasts, goes_into)) => {
+                let seams = Seams { vertex_lasts, vertex_goes_into, triangle_lasts: Vec::new() };
+                Self { first, length, lasts, goes_into, versions, seams: Some(seams), blends, snapshot }
+            }
         };
-        let mut triangle_lasts = Vec::with_capacity(if plain { 0 } else { state.triangles.len() });
-        let mut lasts = vec![0_u32; state.positions.len()];
+        if !plain {
+            segment.find_last_uses(source);
+        } else if segment.snapshot.is_none() {
+            for (lasts, &vertex) in segment.lasts.iter_mut().zip(&sequence.vertex_of_wedge) {
+                *lasts = if vertex == NO_VERTEX { 0 } else { *lasts };
+            }
+        }
+        segment
+    }
+
+    /// Cuts the time of each wedge, until now that of its merge, where its last triangle goes earlier.
+    fn find_last_uses(&mut self, source: &Source<'_>) {
+        let state = self.state(source.mesh);
+        let (vertex_lasts, vertex_goes_into) = match &self.seams {
+            Some(seams) => (&seams.vertex_lasts, &seams.vertex_goes_into),
+            None => (&self.lasts, &self.goes_into),
+        };
+        let vertex_of = |w: u32| match (&self.seams, &self.snapshot) {
+            (None, _) => w,
+            (_, Some(s)) => s.vertex_of_wedge[w as usize],
+            (_, None) => source.sequence.vertex_of_wedge[w as usize],
+        };
+        let mut triangle_lasts = Vec::with_capacity(if self.seams.is_some() { state.triangles.len() } else { 0 });
+        let mut last_uses = vec![0_u32; self.lasts.len()];
         for t in &state.triangles {
-            let end = end_of_triangle(t.map(vertex_of), &vertex_lasts, &vertex_goes_into);
-            if !plain {
+            let end = end_of_triangle(t.map(vertex_of), vertex_lasts, vertex_goes_into);
+            if self.seams.is_some() {
                 triangle_lasts.push(end);
             }
             for &corner in t {
                 let (mut w, mut since) = (corner as usize, 0);
                 while since < end {
-                    since = merge_times[w].min(end);
-                    lasts[w] = lasts[w].max(since);
-                    w = goes_into[w] as usize;
+                    since = self.lasts[w].min(end);
+                    last_uses[w] = last_uses[w].max(since);
+                    w = self.goes_into[w] as usize;
                 }
             }
         }
-        let (goes_into, seams) = match merged {
-            Some((_, goes_into)) => (goes_into, Some(Seams { vertex_lasts, vertex_goes_into, triangle_lasts })),
-            None => (vertex_goes_into, None),
-        };
-        Self { first, length, snapshot, lasts, goes_into, versions, seams, blends }
+        self.lasts = last_uses;
+        if let Some(seams) = &mut self.seams {
+            seams.triangle_lasts = triangle_lasts;
+        }
     }
 
     /// Number of collapses before the first level.
@@ -218,8 +233,15 @@ impl Segment {
     }
 
     /// The mesh after the segment's last collapse, to begin the next one with.
-    pub(super) fn last(&self, source: &Source<'_>) -> Snapshot {
-        let level = self.extract(source, self.first + self.length);
+    ///
+    /// Where each vertex has one wedge, a vertex that merges is in use until then, so only one that
+    /// stays can be without a triangle before; at the end is seen whether any is, which is rare.
+    pub(super) fn finish(&mut self, source: &Source<'_>) -> Snapshot {
+        let mut level = self.extract(source, self.end());
+        if source.plain && !all_in_use(&level.mesh) {
+            self.find_last_uses(source);
+            level = self.extract(source, self.end());
+        }
         let (mut vertex_of_wedge, mut vertices, mut positions) = (Vec::new(), Vec::new(), Vec::new());
         if let Some(seams) = &self.seams {
             let time = self.length as u32;
@@ -348,69 +370,11 @@ impl Segment {
     }
 }
 
-/// The ancestor of `v` at `time`.
-fn climb(mut v: u32, time: u32, lasts: &[u32], goes_into: &[u32]) -> u32 {
-    while lasts[v as usize] <= time && goes_into[v as usize] != v {
-        v = goes_into[v as usize];
+/// Whether some triangle has each wedge.
+fn all_in_use(mesh: &Mesh) -> bool {
+    let mut in_use = vec![false; mesh.positions.len()];
+    for &w in mesh.triangles.as_flattened() {
+        in_use[w as usize] = true;
     }
-    v
-}
-
-/// When two of the three vertices become one; 0 if they are.
-fn end_of_triangle(mut vertices: [u32; 3], lasts: &[u32], goes_into: &[u32]) -> u32 {
-    let [a, b, c] = vertices;
-    if a == b || b == c || c == a {
-        return 0;
-    }
-    let mut times = vertices.map(|v| lasts[v as usize]);
-    loop {
-        let next = if times[0] < times[1] { 0 } else { 1 };
-        let next = if times[2] < times[next] { 2 } else { next };
-        let time = times[next];
-        if time == NEVER {
-            return NEVER;
-        }
-        let into = goes_into[vertices[next] as usize];
-        if vertices.contains(&into) {
-            return time;
-        }
-        vertices[next] = into;
-        times[next] = lasts[into as usize];
-    }
-}
-
-/// The merges of the segment that change values, and how far along the edge each is.
-fn blends(
-    source: &Source<'_>,
-    first: usize,
-    length: usize,
-    at_first: &[[f32; 3]],
-    (vertex_names, wedge_names): (&[u32], &[u32]),
-) -> Vec<Blending> {
-    let number = |names: &[u32]| {
-        let mut numbers = vec![NO_VERTEX; source.mesh.positions.len()];
-        for (&name, number) in names.iter().zip(0..) {
-            numbers[name as usize] = number;
-        }
-        move |name: u32| numbers.get(name as usize).filter(|&&n| n != NO_VERTEX).map(|&n| n as usize)
-    };
-    let (vertex, wedge) = (number(vertex_names), number(wedge_names));
-    let sequence = source.sequence;
-    let mut positions = at_first.to_vec();
-    let mut blends = Vec::new();
-    let collapses = sequence.collapses[first..first + length].iter();
-    for ((collapse, merges), time) in collapses.zip(sequence.merges_from(first)).zip(1..) {
-        let (Some(from), Some(into)) = (vertex(collapse.from), vertex(collapse.into)) else { continue };
-        let parameter = edge_parameter(positions[from], positions[into], collapse.position);
-        positions[into] = collapse.position;
-        if parameter >= 1.0 {
-            continue;
-        }
-        for (from, into) in merges {
-            if let (Some(from), Some(into)) = (wedge(from), wedge(into)) {
-                blends.push(Blending { time, from: from as u32, into: into as u32, parameter });
-            }
-        }
-    }
-    blends
+    in_use.into_iter().all(|used| used)
 }
