@@ -37,17 +37,16 @@ pub struct Collapse {
     pub error: f32,
 }
 
-/// The history of one run over one [`crate::mesh::Mesh`].
+/// The history of one run over one [`crate::mesh::Mesh`]: 24 bytes a collapse, and more only for
+/// the collapses that are out of the ordinary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CollapseSequence {
     /// In the order they were done; `error` never falls.
     pub collapses: Vec<Collapse>,
-    /// Wedge merges `(from, into)` of all collapses, in order.
-    pub wedge_merges: Vec<(u32, u32)>,
-    /// For each collapse, the end of its merges in `wedge_merges`.
-    pub wedge_merge_ends: Vec<u32>,
-    /// For each collapse, how many triangles are left after it.
-    pub triangle_counts: Vec<u32>,
+    /// How many triangles are left after each collapse.
+    pub triangle_counts: TriangleCounts,
+    /// Which wedges merge at each collapse.
+    pub wedge_merges: WedgeMerges,
     /// Vertex of each wedge (the weld), named by one of its wedges.
     pub vertex_of_wedge: Vec<u32>,
     /// Triangles at the start, degenerate ones left out.
@@ -57,4 +56,138 @@ pub struct CollapseSequence {
     /// Positions at the last level of vertices that were fitted to the original after the last
     /// collapse, named as in [`Collapse`]; often empty.
     pub fitted: Vec<(u32, [f32; 3])>,
+}
+
+/// Triangles left after each collapse. Almost every collapse removes two; only the others are kept.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct TriangleCounts {
+    initial: u32,
+    collapses: u32,
+    /// Left after all of them.
+    left: u32,
+    /// Collapses that do not remove two, by index, with the count after them.
+    exceptions: Vec<(u32, u32)>,
+}
+
+impl TriangleCounts {
+    /// No collapse yet.
+    #[must_use]
+    pub fn new(initial: usize) -> Self {
+        Self { initial: initial as u32, left: initial as u32, ..Self::default() }
+    }
+
+    /// One more collapse, after which so many are `left`.
+    pub fn push(&mut self, left: usize) {
+        let left = left as u32;
+        if left.saturating_add(2) != self.left {
+            self.exceptions.push((self.collapses, left));
+        }
+        self.left = left;
+        self.collapses += 1;
+    }
+
+    /// Number of collapses.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.collapses as usize
+    }
+
+    /// Whether there is no collapse.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.collapses == 0
+    }
+
+    /// Triangles left after the first `count` collapses, at most [`TriangleCounts::len`] of them.
+    #[must_use]
+    pub fn after(&self, count: usize) -> usize {
+        let known = self.exceptions.partition_point(|&(collapse, _)| (collapse as usize) < count);
+        let (since, left) = match known.checked_sub(1) {
+            Some(last) => (self.exceptions[last].0 as usize + 1, self.exceptions[last].1),
+            None => (0, self.initial),
+        };
+        (left as usize).saturating_sub(2 * (count - since))
+    }
+
+    /// The fewest collapses after which at most `most` triangles are left; all if there are always more.
+    #[must_use]
+    pub fn collapses_to(&self, most: usize) -> usize {
+        let (mut low, mut high) = (0, self.len());
+        while low < high {
+            let middle = low.midpoint(high);
+            if self.after(middle) > most {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// Bytes on the heap.
+    #[must_use]
+    pub fn byte_count(&self) -> usize {
+        size_of_val(self.exceptions.as_slice())
+    }
+}
+
+/// Which wedges merge at each collapse. Almost always it is just the one that names the vanishing
+/// vertex into the one that names the staying vertex; only the other cases are kept.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct WedgeMerges {
+    /// Collapses with other merges, by index, with the end of theirs in `merges`.
+    exceptions: Vec<(u32, u32)>,
+    merges: Vec<(u32, u32)>,
+}
+
+impl WedgeMerges {
+    /// The `merges` of collapse number `index`, which is above all that were pushed, of the vertex
+    /// named `from` into the one named `into`.
+    pub fn push(&mut self, index: usize, (from, into): (u32, u32), merges: &[(u32, u32)]) {
+        if merges != [(from, into)] {
+            self.merges.extend_from_slice(merges);
+            self.exceptions.push((index as u32, self.merges.len() as u32));
+        }
+    }
+
+    /// The merges `(from, into)` of collapse number `index`, if they are not the usual one.
+    #[must_use]
+    pub fn unusual(&self, index: usize) -> Option<&[(u32, u32)]> {
+        let at = self.exceptions.binary_search_by_key(&(index as u32), |e| e.0).ok()?;
+        let start = at.checked_sub(1).map_or(0, |before| self.exceptions[before].1);
+        self.merges.get(start as usize..self.exceptions[at].1 as usize)
+    }
+
+    /// Bytes on the heap.
+    #[must_use]
+    pub fn byte_count(&self) -> usize {
+        size_of_val(self.exceptions.as_slice()) + size_of_val(self.merges.as_slice())
+    }
+}
+
+impl CollapseSequence {
+    /// The wedge merges `(from, into)` of each collapse from number `first` on.
+    pub fn merges_from(&self, first: usize) -> impl Iterator<Item = impl Iterator<Item = (u32, u32)>> {
+        let WedgeMerges { exceptions, merges } = &self.wedge_merges;
+        let mut at = exceptions.partition_point(|&(index, _)| (index as usize) < first);
+        self.collapses[first.min(self.collapses.len())..].iter().enumerate().map(move |(i, collapse)| {
+            let mut own = None;
+            let mut others: &[(u32, u32)] = &[];
+            match exceptions.get(at) {
+                Some(&(index, end)) if index as usize == first + i => {
+                    let start = at.checked_sub(1).map_or(0, |before| exceptions[before].1);
+                    others = &merges[start as usize..end as usize];
+                    at += 1;
+                }
+                _ => own = Some((collapse.from, collapse.into)),
+            }
+            own.into_iter().chain(others.iter().copied())
+        })
+    }
+
+    /// Bytes that the record of the collapses takes on the heap.
+    #[must_use]
+    pub fn record_bytes(&self) -> usize {
+        size_of_val(self.collapses.as_slice()) + self.triangle_counts.byte_count() + self.wedge_merges.byte_count()
+    }
 }

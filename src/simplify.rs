@@ -325,7 +325,12 @@ impl Simplifier {
         self.keys = vec![f32::INFINITY; vertex_count];
         self.live = (0..vertex_count as u32).collect();
         let wanted = self.initial_triangle_count.saturating_sub(self.options.target_triangle_count);
-        self.record = Record::new(vertex_count.min(wanted / 2 + 1), vertex_count, self.options.every_level);
+        self.record = Record::new(
+            self.initial_triangle_count,
+            vertex_count.min(wanted / 2 + 1),
+            vertex_count,
+            self.options.every_level,
+        );
     }
 
     fn tuning(&self) -> Tuning {

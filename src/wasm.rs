@@ -13,7 +13,7 @@ use crate::collapse_sequence::CollapseSequence;
 use crate::deviation::{Deviation, DeviationMeter, DeviationOptions, SideDeviation};
 use crate::document::{Document, Format, NamedFile};
 use crate::error::{Error, ErrorCode, Warning};
-use crate::lod::{self, Level, LevelMesh};
+use crate::lod::{self, Level, LevelMesh, Levels};
 use crate::mesh::{Attribute, Blend, Mesh};
 use crate::simplify::{PlacementRule, Simplifier, SimplifyOptions};
 
@@ -120,6 +120,7 @@ impl SimplifyRequest {
             max_error: max_error as f32,
             lock_border: self.lock_border,
             placement,
+            ..SimplifyOptions::default()
         })
     }
 }
@@ -228,6 +229,8 @@ pub struct Model {
     source: Source,
     running: Option<Simplifier>,
     sequence: Option<CollapseSequence>,
+    /// The index of the sequence, made when a level other than the last is asked for.
+    levels: Option<Levels>,
     level: Option<LevelMesh>,
     measuring: Option<DeviationMeter>,
 }
@@ -360,6 +363,7 @@ impl Model {
             return Ok(progress.fraction.min(0.999));
         }
         self.sequence = running.take().map(Simplifier::finish);
+        self.levels = None;
         self.level = None;
         Ok(1.0)
     }
@@ -381,7 +385,12 @@ impl Model {
     /// full detail if neither is given. Returns a JSON summary of it.
     #[wasm_bindgen(js_name = selectLevel)]
     pub fn select_level(&mut self, triangles: Option<f64>, error: Option<f64>) -> Result<String, JsValue> {
-        let Some(sequence) = &self.sequence else {
+        let Self { source, sequence, levels, .. } = self;
+        let mesh = match source {
+            Source::File(document) => document.mesh(),
+            Source::Arrays(mesh) => mesh,
+        };
+        let Some(sequence) = sequence else {
             return Err(thrown(Error::new(ErrorCode::WrongState, "level", "simplify first")));
         };
         let by_count = triangles.map(|t| Level::Triangles(t.max(0.0) as usize));
@@ -397,7 +406,14 @@ impl Model {
                 }
             }
         };
-        let extracted = lod::extract(self.mesh(), sequence, level);
+        // The old level's memory is free for the new one.
+        self.level = None;
+        // The last level is what a run to a target is for, and often the only one that is wanted.
+        let last = lod::collapse_count(sequence, level) == sequence.collapses.len();
+        let extracted = match levels {
+            None if last => lod::extract(mesh, sequence, level),
+            levels => levels.get_or_insert_with(|| Levels::new(mesh, sequence)).extract(mesh, sequence, level),
+        };
         let reached = match by_count {
             Some(Level::Triangles(n)) => extracted.mesh.triangles.len() <= n,
             _ => by_error.is_none(),
@@ -420,35 +436,40 @@ impl Model {
 
     /// Triangles of a group of the selected level, as indices in its wedge set.
     #[wasm_bindgen(js_name = levelIndices)]
-    pub fn level_indices(&self, group: usize) -> Result<Vec<u32>, JsValue> {
+    pub fn level_indices(&self, group: usize) -> Result<js_sys::Uint32Array, JsValue> {
         let mesh = self.level_mesh();
         let group = mesh.groups.get(group).ok_or_else(|| missing("group"))?;
         let start = mesh.wedge_sets[group.wedge_set].wedges.start as u32;
-        Ok(mesh.triangles[group.triangles.clone()].iter().flatten().map(|&w| w - start).collect())
+        let indices = mesh.triangles[group.triangles.clone()].as_flattened();
+        if start == 0 {
+            return Ok(indices.into());
+        }
+        let indices: Vec<u32> = indices.iter().map(|&w| w - start).collect();
+        Ok(indices.as_slice().into())
     }
 
     /// Positions of a wedge set of the selected level.
     #[wasm_bindgen(js_name = levelPositions)]
-    pub fn level_positions(&self, wedge_set: usize) -> Result<Vec<f32>, JsValue> {
+    pub fn level_positions(&self, wedge_set: usize) -> Result<js_sys::Float32Array, JsValue> {
         let mesh = self.level_mesh();
         let set = mesh.wedge_sets.get(wedge_set).ok_or_else(|| missing("wedgeSet"))?;
-        Ok(mesh.positions[set.wedges.clone()].as_flattened().to_vec())
+        Ok(mesh.positions[set.wedges.clone()].as_flattened().into())
     }
 
     /// Values of an attribute of a wedge set of the selected level.
     #[wasm_bindgen(js_name = levelAttribute)]
-    pub fn level_attribute(&self, wedge_set: usize, attribute: usize) -> Result<Vec<f32>, JsValue> {
+    pub fn level_attribute(&self, wedge_set: usize, attribute: usize) -> Result<js_sys::Float32Array, JsValue> {
         let set = self.level_mesh().wedge_sets.get(wedge_set).ok_or_else(|| missing("wedgeSet"))?;
-        Ok(set.attributes.get(attribute).ok_or_else(|| missing("attribute"))?.values.clone())
+        Ok(set.attributes.get(attribute).ok_or_else(|| missing("attribute"))?.values.as_slice().into())
     }
 
     /// For each wedge of the selected level, the vertex of the original that it came from.
     #[wasm_bindgen(js_name = levelWedgeMap)]
     #[must_use]
-    pub fn level_wedge_map(&self) -> Vec<u32> {
+    pub fn level_wedge_map(&self) -> js_sys::Uint32Array {
         match &self.level {
-            Some(level) => level.wedge_map.clone(),
-            None => (0..self.mesh().positions.len() as u32).collect(),
+            Some(level) => level.wedge_map.as_slice().into(),
+            None => (0..self.mesh().positions.len() as u32).collect::<Vec<_>>().as_slice().into(),
         }
     }
 
@@ -509,7 +530,7 @@ impl Model {
 
 impl Model {
     fn new(source: Source) -> Self {
-        Self { source, running: None, sequence: None, level: None, measuring: None }
+        Self { source, running: None, sequence: None, levels: None, level: None, measuring: None }
     }
 
     fn mesh(&self) -> &Mesh {

@@ -5,27 +5,27 @@
 //! afterwards: the coarse, spatial order of the sweeps leaves no trace, and every level is as good
 //! as if it had been the target.
 
-use crate::collapse_sequence::{Collapse, CollapseSequence, StopReason};
+use crate::collapse_sequence::{Collapse, CollapseSequence, StopReason, TriangleCounts, WedgeMerges};
 
 /// Collapses in the order they are done.
 #[derive(Debug, Default)]
 pub(super) struct Record {
     collapses: Vec<Collapse>,
-    wedge_merges: Vec<(u32, u32)>,
-    wedge_merge_ends: Vec<u32>,
     /// Triangles left after each collapse.
-    triangle_counts: Vec<u32>,
+    triangle_counts: TriangleCounts,
+    wedge_merges: WedgeMerges,
     /// Rank of each collapse, and of the last one at each vertex; empty when only the end matters.
     ranks: Vec<f32>,
     rank_at: Vec<f32>,
 }
 
 impl Record {
-    /// For up to `collapses` entries; with ranks of `vertices` if every level matters.
-    pub(super) fn new(collapses: usize, vertices: usize, every_level: bool) -> Self {
+    /// For up to `collapses` entries of a mesh of so many `triangles`; with ranks of `vertices` if
+    /// every level matters.
+    pub(super) fn new(triangles: usize, collapses: usize, vertices: usize, every_level: bool) -> Self {
         Self {
             collapses: Vec::with_capacity(collapses),
-            triangle_counts: Vec::with_capacity(collapses),
+            triangle_counts: TriangleCounts::new(triangles),
             ranks: Vec::with_capacity(if every_level { collapses } else { 0 }),
             rank_at: vec![0.0; if every_level { vertices } else { 0 }],
             ..Self::default()
@@ -50,13 +50,14 @@ impl Record {
     #[inline(always)]
     pub(super) fn push(&mut self, collapse: Collapse, triangles_left: usize) {
         self.collapses.push(collapse);
-        self.triangle_counts.push(triangles_left as u32);
+        self.triangle_counts.push(triangles_left);
     }
 
     /// The wedge merges of the collapse just pushed.
     pub(super) fn push_merges(&mut self, merges: &[(u32, u32)]) {
-        self.wedge_merges.extend_from_slice(merges);
-        self.wedge_merge_ends.push(self.wedge_merges.len() as u32);
+        if let Some(last) = self.collapses.last() {
+            self.wedge_merges.push(self.collapses.len() - 1, (last.from, last.into), merges);
+        }
     }
 
     /// The finished sequence: in order of rank if there are ranks, errors as a running maximum.
@@ -69,9 +70,8 @@ impl Record {
     ) -> CollapseSequence {
         let mut sequence = CollapseSequence {
             collapses: self.collapses,
-            wedge_merges: self.wedge_merges,
-            wedge_merge_ends: self.wedge_merge_ends,
             triangle_counts: self.triangle_counts,
+            wedge_merges: self.wedge_merges,
             vertex_of_wedge,
             initial_triangle_count,
             stop_reason,
@@ -82,6 +82,7 @@ impl Record {
             order.sort_unstable();
             reorder(&mut sequence, order.into_iter().map(|(_, i)| i as usize));
         }
+        sequence.collapses.shrink_to_fit();
         let mut worst = 0.0_f32;
         for collapse in &mut sequence.collapses {
             worst = worst.max(collapse.error);
@@ -92,24 +93,20 @@ impl Record {
 }
 
 fn reorder(sequence: &mut CollapseSequence, order: impl Iterator<Item = usize>) {
-    let mut left = sequence.initial_triangle_count as u32;
+    let mut left = sequence.initial_triangle_count;
     let mut collapses = Vec::with_capacity(sequence.collapses.len());
-    let mut counts = Vec::with_capacity(sequence.collapses.len());
-    let mut merges = Vec::with_capacity(sequence.wedge_merges.len());
-    let mut ends = Vec::with_capacity(sequence.wedge_merge_ends.len());
+    let mut counts = TriangleCounts::new(left);
+    let mut merges = WedgeMerges::default();
     for i in order {
-        collapses.push(sequence.collapses[i]);
-        let before = if i == 0 { sequence.initial_triangle_count as u32 } else { sequence.triangle_counts[i - 1] };
-        left -= before - sequence.triangle_counts[i];
-        counts.push(left);
-        if let Some(&end) = sequence.wedge_merge_ends.get(i) {
-            let start = if i == 0 { 0 } else { sequence.wedge_merge_ends[i - 1] };
-            merges.extend_from_slice(&sequence.wedge_merges[start as usize..end as usize]);
-            ends.push(merges.len() as u32);
+        let collapse = sequence.collapses[i];
+        if let Some(unusual) = sequence.wedge_merges.unusual(i) {
+            merges.push(collapses.len(), (collapse.from, collapse.into), unusual);
         }
+        left -= sequence.triangle_counts.after(i) - sequence.triangle_counts.after(i + 1);
+        collapses.push(collapse);
+        counts.push(left);
     }
     sequence.collapses = collapses;
     sequence.triangle_counts = counts;
     sequence.wedge_merges = merges;
-    sequence.wedge_merge_ends = ends;
 }

@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each test binary uses its share")]
 #![allow(unreachable_pub, clippy::panic, clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
+pub mod replay;
 pub mod surfaces;
 pub mod validity;
 
@@ -215,7 +216,11 @@ pub fn check_level(name: &str, original: &Mesh, level: &LevelMesh, closed: bool)
 /// The record itself: errors never fall, counts always do.
 pub fn check_sequence(name: &str, sequence: &CollapseSequence) {
     assert!(sequence.collapses.windows(2).all(|w| w[0].error <= w[1].error), "{name}: error falls");
-    assert!(sequence.triangle_counts.windows(2).all(|w| w[0] > w[1]), "{name}: count does not fall");
+    assert!(
+        (0..sequence.collapses.len())
+            .all(|i| sequence.triangle_counts.after(i) > sequence.triangle_counts.after(i + 1)),
+        "{name}: count does not fall"
+    );
     assert_eq!(sequence.collapses.len(), sequence.triangle_counts.len());
     let mut gone = BTreeSet::new();
     for collapse in &sequence.collapses {
@@ -235,7 +240,7 @@ pub fn check_all_levels(name: &str, mesh: &Mesh, sequence: &CollapseSequence, cl
     for share in [0.9, 0.5, 0.25, 0.1, 0.02, 0.0] {
         let wanted = (mesh.triangles.len() as f64 * share) as usize;
         let level = lod::extract(mesh, sequence, Level::Triangles(wanted));
-        let least = sequence.triangle_counts.last().map_or(mesh.triangles.len(), |&c| c as usize);
+        let least = sequence.triangle_counts.after(sequence.collapses.len());
         assert!(level.mesh.triangles.len() <= wanted.max(least), "{name}: {} for {wanted}", level.mesh.triangles.len());
         let same = lod::extract(mesh, sequence, Level::Error(level.error));
         assert!(same.mesh.triangles.len() <= level.mesh.triangles.len(), "{name}: level by error");
