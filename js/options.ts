@@ -1,7 +1,7 @@
 // Checks the options of a simplification, and turns targets into a triangle count and an error in model units.
 
 import { invalidArgument } from './errors.js';
-import type { DocumentSimplifyOptions, MeasureOptions, Preset, RunOptions, SimplifyOptions, Targets } from './types.js';
+import type { DocumentSimplifyOptions, MeasureOptions, Preset, RunOptions, Targets } from './types.js';
 
 /** What targets refer to. */
 export interface Scale {
@@ -32,7 +32,7 @@ export const PRESETS: readonly Preset[] = ['fast', 'balanced', 'best'];
 
 const TARGETS = ['ratio', 'triangles', 'error'];
 
-/** Names of {@link SimplifyOptions}. */
+/** Names of the options of a simplification. */
 export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'placement', 'preset', 'timeBudget'];
 
 /** Names of {@link DocumentSimplifyOptions}. */
