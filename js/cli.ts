@@ -107,7 +107,7 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
   const document = openFiles(input.files);
   const read = performance.now() - start;
   try {
-    const { output: named, directory, options, ignored, json, measure } = job;
+    const { output: named, directory, options, json, measure } = job;
     const format = named === undefined ? usualFormat(document.summary.format) : outputFormat(named);
     const output = named ?? (directory === undefined ? undefined : pathIn(directory, path, format));
     if (output !== undefined) {
@@ -127,7 +127,7 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
     const written = await document.write({ format });
     if (output !== undefined) writeWhole(output, written.bytes);
     const write = performance.now() - start;
-    const warnings = [...input.warnings, ...written.report.warnings, ...ignored.map(ignoredWarning)];
+    const warnings = [...input.warnings, ...written.report.warnings];
     const report: Report = {
       ...written.report,
       input: { ...written.report.input, path },
@@ -142,10 +142,6 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
   } finally {
     document.dispose();
   }
-}
-
-function ignoredWarning(option: string): Warning {
-  return { code: 'ignored-option', message: 'has no effect yet', where: option };
 }
 
 function tellWarnings(warnings: readonly Warning[], path: string): void {

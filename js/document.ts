@@ -5,11 +5,12 @@ import { EngineObject, callEngine, init } from './engine.js';
 import { isOutputFormat, OUTPUT_FORMATS, usualFormat } from './formats.js';
 import { listFiles, loadFiles, type LoadedFile } from './files.js';
 import {
+  DOCUMENT_SIMPLIFY_NAMES,
   RUN_NAMES,
-  SIMPLIFY_NAMES,
   checkMeasureOptions,
   checkNames,
   checkSignal,
+  hasTarget,
   resolveRequest,
   resolveTargets,
 } from './options.js';
@@ -17,13 +18,13 @@ import { makeReport, type Deviation, type Report } from './report.js';
 import { Turn, runInSteps } from './run.js';
 import type {
   DocumentInput,
+  DocumentSimplifyOptions,
   DocumentSummary,
   LevelGeometry,
   LevelSummary,
   MeasureOptions,
   OutputFormat,
   RunOptions,
-  SimplifyOptions,
   Targets,
   Warning,
   WriteOptions,
@@ -85,6 +86,8 @@ interface EngineRun {
   step(model: Model, work: number): number;
   /** Drops what is half done. */
   cancel(model: Model): void;
+  /** Ends it when so many milliseconds are spent, keeping what is done. */
+  readonly limit?: { readonly milliseconds: number | undefined; stop(model: Model): void };
 }
 
 /**
@@ -100,6 +103,8 @@ export class Document {
   readonly #simplifying = new Turn('simplify');
   readonly #measuring = new Turn('measure');
   #level: LevelSummary | undefined;
+  /** Whether the selected level is of the record, and not of a run beside it. */
+  #recorded = true;
   /** Grows with every other level that is selected. */
   #levelNumber = 0;
   /** Of the selected level, and nothing once another is selected. */
@@ -113,17 +118,18 @@ export class Document {
   }
 
   /**
-   * Simplifies and selects the level that the targets ask for. All levels down to it are then at hand by
-   * {@link level}; without a target all there are, and full detail is selected.
+   * Simplifies and selects the level that the targets ask for. Without a target all levels there are get recorded for
+   * {@link level}, and full detail is selected. With one, that level is the best there is, and those before it are at
+   * hand but rough, unless `everyLevel` asks for them too.
    *
    * Always starts from the file's own triangles, not from the selected level. While it runs, the former levels can be
    * used. Rejects with `invalid-argument` naming the option; with `wrong-state` while another run is under way that
    * has not been aborted; with the signal's reason within 100 ms of an abort, and then the former level is still
    * selected.
    */
-  async simplify(options: SimplifyOptions & RunOptions = {}): Promise<LevelSummary> {
-    checkNames(options, [...SIMPLIFY_NAMES, ...RUN_NAMES]);
-    const request = resolveRequest(options, this.summary);
+  async simplify(options: DocumentSimplifyOptions & RunOptions = {}): Promise<LevelSummary> {
+    checkNames(options, [...DOCUMENT_SIMPLIFY_NAMES, ...RUN_NAMES]);
+    const request = { everyLevel: !hasTarget(options), ...resolveRequest(options, this.summary) };
     this.#model.check();
     return this.#simplifying.take(options.signal, async () => {
       const start = performance.now();
@@ -131,11 +137,14 @@ export class Document {
         begin: (model) => model.beginSimplify(JSON.stringify(request)),
         step: (model, work) => model.step(work),
         cancel: (model) => model.cancelSimplify(),
+        limit: { milliseconds: options.timeBudget, stop: (model) => model.stopSimplify() },
       });
       this.#timings.simplify = performance.now() - start;
       // The same count as before may be another level now.
       this.#forgetLevel();
-      const level = this.#select(request.triangles, request.error);
+      const { triangles, error } = request;
+      this.#recorded = request.keepLevels !== true;
+      const level = this.#take((model) => model.selectResult(triangles, error));
       options.onProgress?.(1);
       return level;
     });
@@ -166,12 +175,17 @@ export class Document {
 
   async #runInEngine({ signal, onProgress }: RunOptions, run: EngineRun): Promise<void> {
     this.#model.call(run.begin);
+    const { limit } = run;
     try {
-      await runInSteps((work) => this.#model.call((model) => run.step(model, work)), {
-        signal,
-        // The last report comes when the result is there to be used.
-        onProgress: (fraction) => fraction < 1 && onProgress?.(fraction),
-      });
+      await runInSteps(
+        (work) => this.#model.call((model) => run.step(model, work)),
+        {
+          signal,
+          // The last report comes when the result is there to be used.
+          onProgress: (fraction) => fraction < 1 && onProgress?.(fraction),
+        },
+        limit && { milliseconds: limit.milliseconds, stop: () => this.#model.call((model) => limit.stop(model)) },
+      );
     } catch (error) {
       this.#forgetRun(run);
       throw error;
@@ -195,11 +209,13 @@ export class Document {
    */
   async level(targets: Targets): Promise<LevelSummary> {
     const { triangles, error } = resolveTargets(targets, this.summary);
-    return this.#select(triangles, error);
+    if (!this.#recorded) this.#forgetLevel();
+    this.#recorded = true;
+    return this.#take((model) => model.selectLevel(triangles, error));
   }
 
-  #select(triangles: number | undefined, error: number | undefined): LevelSummary {
-    const level = JSON.parse(this.#model.call((model) => model.selectLevel(triangles, error))) as LevelSummary;
+  #take(select: (model: Model) => string): LevelSummary {
+    const level = JSON.parse(this.#model.call(select)) as LevelSummary;
     // Of one record there is one level for each count.
     if (level.triangles !== this.#level?.triangles) this.#forgetLevel();
     this.#level = level;

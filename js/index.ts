@@ -2,6 +2,7 @@
 
 export { init, type WasmSource } from './engine.js';
 export { OUTPUT_FORMATS } from './formats.js';
+export { PRESETS } from './options.js';
 export { openDocument, externalFiles, type Document, type Written } from './document.js';
 export { simplify, simplifySequence, type MeshSequence } from './simplify.js';
 export { DecimeshError, type EngineErrorCode, type ErrorCode, type HostErrorCode } from './errors.js';
@@ -9,6 +10,7 @@ export type { Deviation, Report, ReportedFile, SideDeviation, Timings } from './
 export type {
   AttributeArray,
   DocumentInput,
+  DocumentSimplifyOptions,
   DocumentSummary,
   Format,
   GroupGeometry,
@@ -20,6 +22,7 @@ export type {
   MeshInput,
   NamedBytes,
   OutputFormat,
+  Preset,
   RunOptions,
   SimplifiedMesh,
   SimplifyOptions,

@@ -1,7 +1,7 @@
 // Checks the options of a simplification, and turns targets into a triangle count and an error in model units.
 
 import { invalidArgument } from './errors.js';
-import type { MeasureOptions, RunOptions, SimplifyOptions, Targets } from './types.js';
+import type { DocumentSimplifyOptions, MeasureOptions, Preset, RunOptions, Targets } from './types.js';
 
 /** What targets refer to. */
 export interface Scale {
@@ -22,12 +22,21 @@ export interface ResolvedTargets {
 export interface SimplifyRequest extends ResolvedTargets {
   lockBorder?: boolean;
   placement?: 'optimal' | 'subset';
+  preset?: Preset;
+  everyLevel?: boolean;
+  keepLevels?: boolean;
 }
+
+/** The presets, from the fastest to the best. */
+export const PRESETS: readonly Preset[] = ['fast', 'balanced', 'best'];
 
 const TARGETS = ['ratio', 'triangles', 'error'];
 
-/** Names of {@link SimplifyOptions}. */
-export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'placement'];
+/** Names of the options of a simplification. */
+export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'placement', 'preset', 'timeBudget'];
+
+/** Names of {@link DocumentSimplifyOptions}. */
+export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels'];
 
 /** Names of {@link RunOptions}. */
 export const RUN_NAMES: readonly string[] = ['onProgress', 'signal'];
@@ -46,13 +55,30 @@ export function resolveTargets(options: Targets, scale: Scale): ResolvedTargets 
   return targetsOf(options, scale);
 }
 
-/** Checks the values of `options` of a simplification; its targets refer to `scale`. */
-export function resolveRequest(options: SimplifyOptions & RunOptions, scale: Scale): SimplifyRequest {
-  const { lockBorder, placement, onProgress, signal } = options;
+/** Whether `value` names a preset. */
+export function isPreset(value: unknown): value is Preset {
+  return (PRESETS as readonly unknown[]).includes(value);
+}
+
+/**
+ * Checks the values of `options` of a simplification; its targets refer to `scale`. The time budget is checked too, but
+ * is no part of the request: the engine knows no clock.
+ */
+export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, scale: Scale): SimplifyRequest {
+  const { placement, preset, timeBudget, onProgress, signal } = options;
   const request: SimplifyRequest = targetsOf(options, scale);
-  if (lockBorder !== undefined) {
-    if (typeof lockBorder !== 'boolean') throw invalidArgument('lockBorder', 'must be true or false');
-    request.lockBorder = lockBorder;
+  for (const name of ['lockBorder', 'everyLevel', 'keepLevels'] as const) {
+    const value = options[name];
+    if (value === undefined) continue;
+    if (typeof value !== 'boolean') throw invalidArgument(name, 'must be true or false');
+    request[name] = value;
+  }
+  if (preset !== undefined) {
+    if (!isPreset(preset)) throw invalidArgument('preset', `must be one of ${PRESETS.join(', ')}, not ${shown(preset)}`);
+    request.preset = preset;
+  }
+  if (timeBudget !== undefined && !(Number.isFinite(timeBudget) && timeBudget >= 0)) {
+    throw invalidArgument('timeBudget', `must be a number of at least 0, in milliseconds, not ${shown(timeBudget)}`);
   }
   if (placement !== undefined) {
     if (placement !== 'optimal' && placement !== 'subset') {
@@ -87,11 +113,14 @@ export function checkSignal(signal: unknown): void {
   }
 }
 
+/** Whether `targets` names one. */
+export function hasTarget({ ratio, triangles, error }: Targets): boolean {
+  return ratio !== undefined || triangles !== undefined || error !== undefined;
+}
+
 /** Throws `invalid-argument` unless `targets` names one. */
-export function checkHasTarget({ ratio, triangles, error }: Targets): void {
-  if (ratio === undefined && triangles === undefined && error === undefined) {
-    throw invalidArgument('options', 'name a target: ratio, triangles or error');
-  }
+export function checkHasTarget(targets: Targets): void {
+  if (!hasTarget(targets)) throw invalidArgument('options', 'name a target: ratio, triangles or error');
 }
 
 function targetsOf({ ratio, triangles, error }: Targets, scale: Scale): ResolvedTargets {

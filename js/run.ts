@@ -13,25 +13,62 @@ const PROGRESS_MILLISECONDS = 50;
 /** The first step's work, about 5 ms on the machine the unit was chosen on; the following ones adapt. */
 const FIRST_WORK = 10_000;
 
+/** An end before the work is done. */
+export interface TimeLimit {
+  /** From the first step on; absent: no limit. */
+  readonly milliseconds: number | undefined;
+  /** Ends the work where it stands. */
+  stop(): void;
+}
+
+/** Calls `step` with amounts of work that take about a step's time each. */
+class Pace {
+  readonly #step: (work: number) => number;
+  readonly #limit: TimeLimit | undefined;
+  readonly #start = performance.now();
+  #work = FIRST_WORK;
+
+  constructor(step: (work: number) => number, limit: TimeLimit | undefined) {
+    this.#step = step;
+    this.#limit = limit;
+  }
+
+  /** Does one step and returns the share that is done: 1 also when the time is spent and the work was stopped. */
+  next(): number {
+    const start = performance.now();
+    const fraction = this.#step(this.#work);
+    if (fraction >= 1) return 1;
+    const now = performance.now();
+    if (this.#limit?.milliseconds !== undefined && now - this.#start >= this.#limit.milliseconds) {
+      this.#limit.stop();
+      return 1;
+    }
+    // Never more than double: the cost of a unit changes from one stage of the work to the next.
+    const factor = STEP_MILLISECONDS / Math.max(now - start, 0.01);
+    this.#work = Math.max(100, this.#work * Math.min(2, Math.max(0.1, factor)));
+    return fraction;
+  }
+}
+
 /**
- * Calls `step` with an amount of work until it returns 1, the share that is done.
+ * Calls `step` with an amount of work until it returns 1, the share that is done, or the time of `limit` is spent.
  *
  * Rejects with the signal's reason on an abort, at the latest after the step that is running, and with whatever `step`
  * or `onProgress` throws. What `step` works on is the caller's to clean up then.
  */
-export async function runInSteps(step: (work: number) => number, { onProgress, signal }: RunOptions): Promise<void> {
-  let work = FIRST_WORK;
+export async function runInSteps(
+  step: (work: number) => number,
+  { onProgress, signal }: RunOptions,
+  limit?: TimeLimit,
+): Promise<void> {
   let reported = 0;
   let reportedAt = -Infinity;
   signal?.throwIfAborted();
+  const pace = new Pace(step, limit);
   for (;;) {
-    const start = performance.now();
-    const fraction = step(work);
-    const now = performance.now();
+    const fraction = pace.next();
     if (fraction >= 1) break;
-    // Never more than double: the cost of a unit changes from one stage of the work to the next.
-    const factor = STEP_MILLISECONDS / Math.max(now - start, 0.01);
-    work = Math.max(100, work * Math.min(2, Math.max(0.1, factor)));
+    const now = performance.now();
     if (fraction > reported && now - reportedAt >= PROGRESS_MILLISECONDS) {
       reported = fraction;
       reportedAt = now;
@@ -78,7 +115,12 @@ export class Turn {
   }
 }
 
-/** Calls `step` until it returns 1, without a pause. */
-export function runToEnd(step: (work: number) => number): void {
-  while (step(1e9) < 1);
+/** Calls `step` until it returns 1 or the time of `limit` is spent, without a pause. */
+export function runToEnd(step: (work: number) => number, limit: TimeLimit): void {
+  if (limit.milliseconds === undefined) {
+    while (step(1e9) < 1);
+    return;
+  }
+  const pace = new Pace(step, limit);
+  while (pace.next() < 1);
 }

@@ -12,7 +12,7 @@ import {
   type Scale,
   type SimplifyRequest,
 } from './options.js';
-import { runInSteps, runToEnd } from './run.js';
+import { runInSteps, runToEnd, type TimeLimit } from './run.js';
 import type { LevelSummary, MeshInput, RunOptions, SimplifiedMesh, SimplifyOptions, Targets } from './types.js';
 import type { Model } from './wasm/decimesh.js';
 
@@ -25,9 +25,9 @@ import type { Model } from './wasm/decimesh.js';
 export function simplify(mesh: MeshInput, options: SimplifyOptions): SimplifiedMesh {
   checkNames(options, SIMPLIFY_NAMES);
   checkHasTarget(options);
-  const run = new MeshRun(mesh, options);
+  const run = new MeshRun(mesh, options, false);
   try {
-    runToEnd((work) => run.step(work));
+    runToEnd((work) => run.step(work), run.limit);
     return run.level(run.request);
   } finally {
     run.dispose();
@@ -38,9 +38,9 @@ export function simplify(mesh: MeshInput, options: SimplifyOptions): SimplifiedM
 export async function simplifyInSteps(mesh: MeshInput, options: SimplifyOptions & RunOptions): Promise<SimplifiedMesh> {
   checkNames(options, [...SIMPLIFY_NAMES, ...RUN_NAMES]);
   checkHasTarget(options);
-  const run = new MeshRun(mesh, options);
+  const run = new MeshRun(mesh, options, false);
   try {
-    await runInSteps((work) => run.step(work), { signal: options.signal, onProgress: options.onProgress });
+    await runInSteps((work) => run.step(work), { signal: options.signal, onProgress: options.onProgress }, run.limit);
     return run.level(run.request);
   } finally {
     run.dispose();
@@ -50,6 +50,7 @@ export async function simplifyInSteps(mesh: MeshInput, options: SimplifyOptions 
 /**
  * Simplifies a mesh once and keeps the record, from which any level is extracted; `init()` must have finished.
  *
+ * Every level is as good as a sweep to it alone; {@link simplify} beside that fits its one level to the original.
  * Targets bound how far the record goes; without any it goes as far as the shape allows. The sequence holds memory of
  * the engine until {@link MeshSequence.dispose}. Throws what {@link simplify} throws.
  */
@@ -64,9 +65,9 @@ export class MeshSequence {
   /** @internal Use {@link simplifySequence}. */
   constructor(mesh: MeshInput, options: SimplifyOptions) {
     checkNames(options, SIMPLIFY_NAMES);
-    this.#run = new MeshRun(mesh, options);
+    this.#run = new MeshRun(mesh, options, true);
     try {
-      runToEnd((work) => this.#run.step(work));
+      runToEnd((work) => this.#run.step(work), this.#run.limit);
     } catch (error) {
       this.#run.dispose();
       throw error;
@@ -97,10 +98,11 @@ export class MeshSequence {
 class MeshRun {
   readonly scale: Scale;
   readonly request: SimplifyRequest;
+  readonly limit: TimeLimit;
   readonly #model: EngineObject<Model>;
   readonly #attributes: readonly EngineAttribute[];
 
-  constructor(mesh: MeshInput, options: SimplifyOptions & RunOptions) {
+  constructor(mesh: MeshInput, options: SimplifyOptions & RunOptions, everyLevel: boolean) {
     const { positions, indices } = checkMesh(mesh);
     // Everything about the options that needs no diagonal is said before the arrays are copied.
     resolveRequest(options, { triangles: 0, diagonal: 0 });
@@ -116,7 +118,8 @@ class MeshRun {
     );
     try {
       this.scale = JSON.parse(this.#model.call((model) => model.summary())) as Scale;
-      this.request = resolveRequest(options, this.scale);
+      this.request = { ...resolveRequest(options, this.scale), everyLevel };
+      this.limit = { milliseconds: options.timeBudget, stop: () => this.#model.call((model) => model.stopSimplify()) };
       this.#model.call((model) => model.beginSimplify(JSON.stringify(this.request)));
     } catch (error) {
       this.dispose();

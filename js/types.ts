@@ -7,10 +7,16 @@ export type Format = 'glb' | 'gltf' | 'obj' | 'ply' | 'stl' | 'off' | 'smf';
 export type OutputFormat = Exclude<Format, 'gltf'>;
 
 /**
- * Why there are not fewer triangles: the count was reached, the next step would exceed the error, or nothing more can
- * be removed without damage.
+ * Why there are not fewer triangles: the count was reached, the next step would exceed the error, nothing more can be
+ * removed without damage, or the time budget was spent.
  */
-export type StopReason = 'target' | 'error' | 'constraints';
+export type StopReason = 'target' | 'error' | 'constraints' | 'time';
+
+/**
+ * Time against quality. `'fast'` collapses edges and no more; `'balanced'` then fits the remaining vertices to the
+ * original surface, one round where it pays; `'best'` takes finer sweeps and three rounds of fitting.
+ */
+export type Preset = 'fast' | 'balanced' | 'best';
 
 /** Something a reader or writer had to change or leave out, without failing. */
 export interface Warning {
@@ -101,6 +107,28 @@ export interface SimplifyOptions extends Targets {
   readonly lockBorder?: boolean | undefined;
   /** `'optimal'` (default) puts vertices where the error is least; `'subset'` uses only original positions. */
   readonly placement?: 'optimal' | 'subset' | undefined;
+  /** Default `'balanced'`. It matters for a run to one level; one whose every level is wanted is the same with each. */
+  readonly preset?: Preset | undefined;
+  /**
+   * Milliseconds that the simplification may take, a number ≥ 0; no target, but a limit on the way to one. When they
+   * are spent, what was done so far is the result and its stop reason is `'time'`. Looked at about every 10 ms, and not
+   * while a large mesh is made ready; the same budget gives another result on another machine. Default: no limit.
+   */
+  readonly timeBudget?: number | undefined;
+}
+
+/** How to simplify a document, whose levels can be asked for afterwards. */
+export interface DocumentSimplifyOptions extends SimplifyOptions {
+  /**
+   * Levels beside the target are wanted too. Each is then as good as a sweep to that level alone, but the final fit of
+   * the presets, which improves the target's level only, is left out. Default: true when no target is given.
+   */
+  readonly everyLevel?: boolean | undefined;
+  /**
+   * The levels recorded by an earlier run stay at hand for `level()`; this run gives the selected level alone. Without
+   * an earlier run it has no effect. Default false.
+   */
+  readonly keepLevels?: boolean | undefined;
 }
 
 /** What may accompany a run that takes time. */

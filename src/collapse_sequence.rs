@@ -9,6 +9,8 @@ pub enum StopReason {
     Error,
     /// No legal collapse is left.
     Constraints,
+    /// The owner had no more time.
+    Time,
 }
 
 impl StopReason {
@@ -19,6 +21,7 @@ impl StopReason {
             Self::Target => "target",
             Self::Error => "error",
             Self::Constraints => "constraints",
+            Self::Time => "time",
         }
     }
 }

@@ -289,6 +289,21 @@ impl Simplifier {
         Progress { fraction, done: self.stage == Stage::Done }
     }
 
+    /// Ends the run where it stands, for want of time. What was collapsed so far stays, a fit that is not complete
+    /// is left out. The stop reason is [`StopReason::Time`] unless the collapsing was over. `mesh` is the one given to
+    /// [`Simplifier::new`].
+    pub fn stop(&mut self, mesh: &Mesh) {
+        if self.stage < Stage::Rings(0) {
+            // Nothing is welded yet: a history without an entry, over the mesh as it is stored.
+            self.vertex_of_wedge = (0..mesh.positions.len() as u32).collect();
+            self.initial_triangle_count = mesh.triangles.len();
+        }
+        if self.stage < Stage::Fit {
+            self.stop_reason = StopReason::Time;
+        }
+        self.stage = Stage::Done;
+    }
+
     /// The recorded history; if the run is not over, of what was done so far.
     #[must_use]
     pub fn finish(self) -> CollapseSequence {

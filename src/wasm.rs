@@ -15,7 +15,7 @@ use crate::document::{Document, Format, NamedFile};
 use crate::error::{Error, ErrorCode, Warning};
 use crate::lod::{self, Level, LevelMesh, Levels};
 use crate::mesh::{Attribute, Blend, Mesh};
-use crate::simplify::{PlacementRule, Simplifier, SimplifyOptions};
+use crate::simplify::{PlacementRule, Preset, Simplifier, SimplifyOptions};
 
 #[wasm_bindgen]
 extern "C" {
@@ -79,6 +79,9 @@ struct SimplifyRequest {
     error_relative: Option<f64>,
     lock_border: bool,
     placement: Option<String>,
+    preset: Option<String>,
+    every_level: bool,
+    keep_levels: bool,
 }
 
 impl SimplifyRequest {
@@ -115,12 +118,19 @@ impl SimplifyRequest {
             Some("subset") => PlacementRule::Subset,
             Some(_) => return invalid("placement", "must be 'optimal' or 'subset'"),
         };
+        let preset = match self.preset.as_deref() {
+            Some("fast") => Preset::Fast,
+            None | Some("balanced") => Preset::Balanced,
+            Some("best") => Preset::Best,
+            Some(_) => return invalid("preset", "must be 'fast', 'balanced' or 'best'"),
+        };
         Ok(SimplifyOptions {
             target_triangle_count: target as usize,
             max_error: max_error as f32,
             lock_border: self.lock_border,
             placement,
-            ..SimplifyOptions::default()
+            preset,
+            every_level: self.every_level,
         })
     }
 }
@@ -223,14 +233,41 @@ enum Source {
     Arrays(Mesh),
 }
 
+impl Source {
+    fn mesh(&self) -> &Mesh {
+        match self {
+            Self::File(document) => document.mesh(),
+            Self::Arrays(mesh) => mesh,
+        }
+    }
+}
+
+/// A simplification under way.
+struct Run {
+    simplifier: Simplifier,
+    /// As in [`SimplifyOptions`].
+    max_error: f32,
+    /// Whether the former record stays beside the result.
+    keep_levels: bool,
+}
+
+/// What a simplification gave.
+struct Recorded {
+    sequence: CollapseSequence,
+    /// The index of the sequence, made when a level other than the last is asked for.
+    levels: Option<Levels>,
+    /// The limit that every collapse kept to.
+    max_error: f32,
+}
+
 /// A loaded model, its simplification and the selected level.
 #[wasm_bindgen]
 pub struct Model {
     source: Source,
-    running: Option<Simplifier>,
-    sequence: Option<CollapseSequence>,
-    /// The index of the sequence, made when a level other than the last is asked for.
-    levels: Option<Levels>,
+    running: Option<Run>,
+    record: Option<Recorded>,
+    /// The result of a run that kept the record, until a level of it is selected.
+    result: Option<Recorded>,
     level: Option<LevelMesh>,
     measuring: Option<DeviationMeter>,
 }
@@ -344,28 +381,30 @@ impl Model {
     pub fn begin_simplify(&mut self, options: &str) -> Result<(), JsValue> {
         let request: SimplifyRequest = parse(options, "options")?;
         let options = request.options(self.mesh()).map_err(thrown)?;
-        self.running = Some(Simplifier::new(self.mesh(), &options).map_err(thrown)?);
+        let simplifier = Simplifier::new(self.mesh(), &options).map_err(thrown)?;
+        self.running = Some(Run { simplifier, max_error: options.max_error, keep_levels: request.keep_levels });
         Ok(())
     }
 
-    /// Does about `work` units and returns the fraction done, exactly 1 when the sequence is ready.
+    /// Does about `work` units and returns the fraction done, exactly 1 when the result is ready.
     pub fn step(&mut self, work: f64) -> Result<f32, JsValue> {
         let Self { source, running, .. } = self;
-        let mesh = match source {
-            Source::File(document) => document.mesh(),
-            Source::Arrays(mesh) => mesh,
-        };
-        let Some(simplifier) = running else {
-            return Err(thrown(Error::new(ErrorCode::WrongState, "step", "no simplification is running")));
-        };
-        let progress = simplifier.step(mesh, work.clamp(1.0, 1e9) as usize);
+        let run = running.as_mut().ok_or_else(not_simplifying)?;
+        let progress = run.simplifier.step(source.mesh(), work.clamp(1.0, 1e9) as usize);
         if !progress.done {
             return Ok(progress.fraction.min(0.999));
         }
-        self.sequence = running.take().map(Simplifier::finish);
-        self.levels = None;
-        self.level = None;
+        self.finish();
         Ok(1.0)
+    }
+
+    /// Ends a running simplification for want of time; what was done so far is the result.
+    #[wasm_bindgen(js_name = stopSimplify)]
+    pub fn stop_simplify(&mut self) -> Result<(), JsValue> {
+        let Self { source, running, .. } = self;
+        running.as_mut().ok_or_else(not_simplifying)?.simplifier.stop(source.mesh());
+        self.finish();
+        Ok(())
     }
 
     /// Drops a running simplification.
@@ -378,60 +417,31 @@ impl Model {
     #[wasm_bindgen(js_name = hasSequence)]
     #[must_use]
     pub fn has_sequence(&self) -> bool {
-        self.sequence.is_some()
+        self.record.is_some()
     }
 
-    /// Selects the level of at most `triangles`, or of at most `error` (world units), or both, or
+    /// Selects the level of the record of at most `triangles`, or of at most `error` (world units), or both, or
     /// full detail if neither is given. Returns a JSON summary of it.
     #[wasm_bindgen(js_name = selectLevel)]
     pub fn select_level(&mut self, triangles: Option<f64>, error: Option<f64>) -> Result<String, JsValue> {
-        let Self { source, sequence, levels, .. } = self;
-        let mesh = match source {
-            Source::File(document) => document.mesh(),
-            Source::Arrays(mesh) => mesh,
-        };
-        let Some(sequence) = sequence else {
-            return Err(thrown(Error::new(ErrorCode::WrongState, "level", "simplify first")));
-        };
-        let by_count = triangles.map(|t| Level::Triangles(t.max(0.0) as usize));
-        let by_error = error.map(|e| Level::Error(e.max(0.0) as f32));
-        let level = match (by_count, by_error) {
-            (None, None) => Level::Full,
-            (Some(level), None) | (None, Some(level)) => level,
-            (Some(a), Some(b)) => {
-                if lod::collapse_count(sequence, a) <= lod::collapse_count(sequence, b) {
-                    a
-                } else {
-                    b
-                }
-            }
-        };
         // The old level's memory is free for the new one.
         self.level = None;
-        // The last level is what a run to a target is for, and often the only one that is wanted.
-        let last = lod::collapse_count(sequence, level) == sequence.collapses.len();
-        let extracted = match levels {
-            None if last => lod::extract(mesh, sequence, level),
-            levels => levels.get_or_insert_with(|| Levels::new(mesh, sequence)).extract(mesh, sequence, level),
+        let Self { source, record, .. } = self;
+        let record = record.as_mut().ok_or_else(not_simplified)?;
+        let (level, summary) = extract_level(source.mesh(), record, triangles, error);
+        self.level = Some(level);
+        to_json(&summary)
+    }
+
+    /// As [`Model::select_level`], of what the last run gave, also if it kept the former record; once.
+    #[wasm_bindgen(js_name = selectResult)]
+    pub fn select_result(&mut self, triangles: Option<f64>, error: Option<f64>) -> Result<String, JsValue> {
+        let Some(mut result) = self.result.take() else {
+            return self.select_level(triangles, error);
         };
-        let reached = match by_count {
-            Some(Level::Triangles(n)) => extracted.mesh.triangles.len() <= n,
-            _ => by_error.is_none(),
-        };
-        let held_by_error = by_error.is_some_and(|e| lod::collapse_count(sequence, e) < sequence.collapses.len());
-        let stop_reason = match (reached, held_by_error) {
-            (true, _) => "target",
-            (false, true) => "error",
-            (false, false) => sequence.stop_reason.as_str(),
-        };
-        let summary = to_json(&LevelSummary {
-            triangles: extracted.mesh.triangles.len(),
-            vertices: extracted.mesh.positions.len(),
-            estimated_error: extracted.error,
-            stop_reason,
-        });
-        self.level = Some(extracted);
-        summary
+        let (level, summary) = extract_level(self.mesh(), &mut result, triangles, error);
+        self.level = Some(level);
+        to_json(&summary)
     }
 
     /// Triangles of a group of the selected level, as indices in its wedge set.
@@ -530,13 +540,23 @@ impl Model {
 
 impl Model {
     fn new(source: Source) -> Self {
-        Self { source, running: None, sequence: None, levels: None, level: None, measuring: None }
+        Self { source, running: None, record: None, result: None, level: None, measuring: None }
     }
 
     fn mesh(&self) -> &Mesh {
-        match &self.source {
-            Source::File(document) => document.mesh(),
-            Source::Arrays(mesh) => mesh,
+        self.source.mesh()
+    }
+
+    /// Takes over the result of the run that is done.
+    fn finish(&mut self) {
+        let Some(Run { simplifier, max_error, keep_levels }) = self.running.take() else { return };
+        let recorded = Recorded { sequence: simplifier.finish(), levels: None, max_error };
+        if keep_levels && self.record.is_some() {
+            self.result = Some(recorded);
+        } else {
+            self.record = Some(recorded);
+            self.result = None;
+            self.level = None;
         }
     }
 
@@ -545,8 +565,60 @@ impl Model {
     }
 }
 
+/// The level of `record` for targets as [`Model::select_level`] takes them.
+fn extract_level<'a>(
+    mesh: &Mesh,
+    Recorded { sequence, levels, max_error }: &'a mut Recorded,
+    triangles: Option<f64>,
+    error: Option<f64>,
+) -> (LevelMesh, LevelSummary<'a>) {
+    let by_count = triangles.map(|t| Level::Triangles(t.max(0.0) as usize));
+    let by_error = error.map(|e| match e.max(0.0) as f32 {
+        // The run's own limit: rounding must not leave out what it allowed.
+        limit if limit >= *max_error => Level::Triangles(0),
+        limit => Level::Error(limit),
+    });
+    let level = match (by_count, by_error) {
+        (None, None) => Level::Full,
+        (Some(level), None) | (None, Some(level)) => level,
+        (Some(a), Some(b)) if lod::collapse_count(sequence, a) <= lod::collapse_count(sequence, b) => a,
+        (Some(_), Some(b)) => b,
+    };
+    // The last level is what a run to a target is for, and often the only one that is wanted.
+    let last = lod::collapse_count(sequence, level) == sequence.collapses.len();
+    let extracted = match levels {
+        None if last => lod::extract(mesh, sequence, level),
+        levels => levels.get_or_insert_with(|| Levels::new(mesh, sequence)).extract(mesh, sequence, level),
+    };
+    let reached = match by_count {
+        Some(Level::Triangles(n)) => extracted.mesh.triangles.len() <= n,
+        _ => by_error.is_none(),
+    };
+    let held_by_error = by_error.is_some_and(|e| lod::collapse_count(sequence, e) < sequence.collapses.len());
+    let stop_reason = match (reached, held_by_error) {
+        (true, _) => "target",
+        (false, true) => "error",
+        (false, false) => sequence.stop_reason.as_str(),
+    };
+    let summary = LevelSummary {
+        triangles: extracted.mesh.triangles.len(),
+        vertices: extracted.mesh.positions.len(),
+        estimated_error: extracted.error,
+        stop_reason,
+    };
+    (extracted, summary)
+}
+
 /// More would take hours and change nothing.
 const MOST_SAMPLES: f64 = 1e9;
+
+fn not_simplifying() -> JsValue {
+    thrown(Error::new(ErrorCode::WrongState, "simplify", "no simplification is running"))
+}
+
+fn not_simplified() -> JsValue {
+    thrown(Error::new(ErrorCode::WrongState, "level", "simplify first"))
+}
 
 fn not_measuring() -> JsValue {
     thrown(Error::new(ErrorCode::WrongState, "measure", "begin first"))

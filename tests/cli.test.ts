@@ -127,6 +127,33 @@ describe('one file', () => {
     expect(await stopReason('-t', '0')).toBe('constraints');
   });
 
+  it('works by the preset', async () => {
+    const { input } = workspace();
+    const rms = async (...args: string[]): Promise<number> => {
+      const { code, stdout, stderr } = await decimesh(input, '-r', '0.1', '--measure', '--json', ...args);
+      expect({ code, stderr }).toEqual({ code: 0, stderr: '' });
+      const { warnings, deviation } = JSON.parse(stdout) as Report;
+      expect(warnings).toEqual([]);
+      return deviation!.rms;
+    };
+    const [fast, balanced, best] = [await rms('--preset', 'fast'), await rms('--preset', 'balanced'), await rms('--preset', 'best')];
+    expect(best).toBeLessThan(balanced);
+    expect(balanced).toBeLessThan(fast);
+    expect(await rms()).toBe(balanced);
+  });
+
+  it('stops when the time budget is spent, with a whole file, and says so', async () => {
+    const { at, input } = workspace();
+    const { code, stdout, stderr } = await decimesh(input, '-o', at('out.glb'), '-r', '0.1', '--time-budget', '0');
+    expect({ code, stderr }).toEqual({ code: 0, stderr: '' });
+    expect(stdout).toMatch(/triangles, the time budget was spent, /);
+    await expectGlb(at('out.glb'), TRIANGLES);
+    const enough = await decimesh(input, '-r', '0.1', '--time-budget', '600000', '--json');
+    expect((JSON.parse(enough.stdout) as Report).stopReason).toBe('target');
+    const none = await decimesh(input, '-r', '0.1', '--time-budget', '0', '--json');
+    expect(JSON.parse(none.stdout)).toMatchObject({ stopReason: 'time', output: { triangles: TRIANGLES }, estimatedError: 0 });
+  });
+
   it('keeps border vertices with --lock-border and positions with --placement subset', async () => {
     const { at, input } = workspace();
     const locked = await decimesh(input, '-o', at('a.glb'), '-t', '1', '--lock-border', '--json');
@@ -203,6 +230,8 @@ describe('wrong usage', () => {
     ['an unknown option', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--fast'], 'arguments'],
     ['an unknown placement', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--placement', 'best'], '--placement'],
     ['an unknown preset', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--preset', 'turbo'], '--preset'],
+    ['a broken time budget', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--time-budget', '1s'], '--time-budget'],
+    ['a time budget alone', ['in.glb', '-o', 'out.glb', '--time-budget', '100'], 'options'],
     ['an unknown output format', ['in.glb', '-o', 'out.fbx', '-r', '0.5'], '-o'],
     ['both -o and -d', ['in.glb', '-o', 'out.glb', '-d', 'dir', '-r', '0.5'], '-o, -d'],
     ['several inputs for one output', ['in.glb', 'b.glb', '-o', 'out.glb', '-r', '0.5'], '-o'],
@@ -232,7 +261,7 @@ describe('help', () => {
   it('names every option of the contract on standard output', async () => {
     const { code, stdout, stderr } = await decimesh('--help');
     expect({ code, stderr }).toEqual({ code: 0, stderr: '' });
-    const options = ['ratio', 'triangles', 'error', 'size', 'lods', 'placement', 'preset', 'lock-border', 'compress', 'quantize', 'measure', 'json'];
+    const options = ['ratio', 'triangles', 'error', 'size', 'lods', 'placement', 'preset', 'time-budget', 'lock-border', 'compress', 'quantize', 'measure', 'json'];
     for (const option of options) expect(stdout).toContain(`--${option}`);
   });
 
@@ -241,12 +270,6 @@ describe('help', () => {
     expect(await decimesh('--version')).toEqual({ code: 0, stdout: `${version}\n`, stderr: '' });
   });
 
-  it('says in the report that a preset has no effect yet', async () => {
-    const { input } = workspace();
-    const { stdout, stderr } = await decimesh(input, '-r', '0.5', '--preset', 'best', '--json');
-    expect((JSON.parse(stdout) as Report).warnings).toEqual([expect.objectContaining({ code: 'ignored-option', where: '--preset best' })]);
-    expect(stderr).toContain('--preset best');
-  });
 });
 
 describe('bad files', () => {

@@ -51,6 +51,7 @@ const wanted = async (): Promise<number> => Number(await slider().inputValue());
 const figure = async (name: string): Promise<string> =>
   page.getByRole('term').filter({ hasText: name }).locator('xpath=following-sibling::dd').locator('.after').innerText();
 const shownTriangles = async (): Promise<number> => Number((await figure('Triangles')).replaceAll(',', ''));
+const quality = (name: string) => page.getByRole('radio', { name, exact: true });
 const sizeIsMeasured = () => page.locator('.mesh-stats .pending').first().waitFor({ ...LONG, state: 'detached' });
 
 async function drop(...files: Array<{ name: string; bytes: Uint8Array }>): Promise<void> {
@@ -87,13 +88,17 @@ describe('the main job', () => {
     expect(await figure('File size')).not.toBe('1.66 MB');
 
     const saved = await download();
+    // The level that was saved is the one on screen now.
+    const fitted = await shownTriangles();
+    expect(fitted).toBeLessThanOrEqual(target);
+    expect(fitted).toBeGreaterThan(target - 20);
     expect(saved.name).toBe('desk-fan.glb');
     expect(saved.bytes.length).toBeLessThan(fan.bytes.length);
     expect(await gltfErrors(new Uint8Array(saved.bytes))).toEqual([]);
 
     await drop({ name: 'again.glb', bytes: saved.bytes });
     await ready();
-    expect(await wanted()).toBe(shown);
+    expect(await wanted()).toBe(fitted);
     expect(await page.title()).toContain('again');
     expect(await page.getByRole('combobox', { name: 'Animation' }).locator('option').count()).toBe(4);
   });
@@ -325,7 +330,8 @@ describe('measuring', () => {
     await status(/^Measured: 0\.\d+ % of the diagonal at most, 0\.0\d+ % on average\.$/);
     expect(await figure('Measured error')).toMatch(/^0\.[1-9]\d* % at most$/);
     await page.getByText(/^mean 0\.0\d+ % · rms 0\.0\d+ %$/).waitFor();
-    // The download is of the same level.
+    // The download is of the same level, unless it is to be better.
+    await quality('Fast').check();
     await download();
     await page.getByRole('term').filter({ hasText: 'Measured error' }).waitFor();
     await slider().fill('1000');
@@ -358,6 +364,98 @@ describe('measuring', () => {
     expect(await bar.count()).toBe(0);
     await measure().click();
     await status(/^Measured/);
+  });
+});
+
+describe('the quality', () => {
+  const trianglesOf = async ({ bytes }: { bytes: Buffer }): Promise<number> => {
+    using document = await openDocument(new Uint8Array(bytes));
+    return document.summary.triangles;
+  };
+
+  it('is one choice of three with a name, by keyboard too, and is remembered', async () => {
+    await openPage();
+    await drop(fan);
+    await ready();
+    const group = page.getByRole('group', { name: 'Quality' });
+    expect(await group.getByRole('radio').count()).toBe(3);
+    expect(await quality('Balanced').isChecked()).toBe(true);
+    await quality('Balanced').focus();
+    await page.keyboard.press('ArrowRight');
+    expect(await quality('Best').isChecked()).toBe(true);
+    await page.reload();
+    await drop(fan);
+    await ready();
+    expect(await quality('Best').isChecked()).toBe(true);
+  });
+
+  it('fits the level to the original before it is saved, shows it, and leaves the slider its levels', async () => {
+    await openPage();
+    await drop(nefertiti);
+    await ready();
+    await slider().fill('2000');
+    await status(/^Ready\. Showing/);
+    const measured = async (): Promise<string> => {
+      await page.getByRole('button', { name: 'Measure', exact: true }).click();
+      await status(/^Measured/);
+      return page.getByText(/^mean .* rms/).innerText();
+    };
+    const asShown = await measured();
+    await quality('Fast').check();
+    const fast = await download();
+    // What is on screen was saved: what was measured still holds.
+    expect(await page.getByText(/^mean .* rms/).innerText()).toBe(asShown);
+
+    await quality('Best').check();
+    const best = await download();
+    expect(best.name).toBe('nefertiti.glb');
+    expect(best.bytes.equals(fast.bytes)).toBe(false);
+    expect(await trianglesOf(best)).toBeLessThanOrEqual(2000);
+    expect(await trianglesOf(best)).toBeGreaterThan(1900);
+    expect(await gltfErrors(new Uint8Array(best.bytes))).toEqual([]);
+    expect(await page.getByText('Measured error').count()).toBe(0);
+    const fitted = await measured();
+    const rms = (text: string): number => Number(/rms ([\d.]+)/.exec(text)?.[1]);
+    expect(rms(fitted)).toBeLessThan(rms(asShown));
+    // Again, without another run: the level is there.
+    expect((await download()).bytes.equals(best.bytes)).toBe(true);
+
+    await slider().fill('20000');
+    await status(/^Ready\. Showing (20,000|19,9\d\d)/);
+    await slider().fill('2000');
+    await status(/^Ready\. Showing (2,000|1,9\d\d)/);
+    expect(await measured()).toBe(asShown);
+    await quality('Fast').check();
+    expect((await download()).bytes.equals(fast.bytes)).toBe(true);
+  });
+
+  it('may be waited for, cancelled, or overtaken by another wish', async () => {
+    await openPage();
+    await drop({ name: 'large.glb', bytes: writeGlb(subdivide(readFirstPrimitive(nefertiti.bytes), 1)) });
+    await ready();
+    await slider().fill('20000');
+    await status(/^Ready\. Showing/);
+    await quality('Best').check();
+    const saved: string[] = [];
+    page.on('download', (file) => saved.push(file.suggestedFilename()));
+    const start = () => page.getByRole('button', { name: 'Download', exact: true }).click();
+    await start();
+    await status(/^Fitting large\.glb/);
+    await page.getByRole('progressbar').waitFor();
+    await page.getByRole('button', { name: 'Cancel', exact: true }).click();
+    await status(/^(Cancelled|Ready)/);
+    expect(saved).toEqual([]);
+    await ready();
+
+    await start();
+    await status(/^Fitting large\.glb/);
+    const coming = page.waitForEvent('download', LONG);
+    await slider().fill('10000');
+    const file = await coming;
+    using document = await openDocument(new Uint8Array(readFileSync(await file.path())));
+    expect(document.summary.triangles).toBeLessThanOrEqual(10_000);
+    expect(await shownTriangles()).toBe(document.summary.triangles);
+    expect(saved).toHaveLength(1);
   });
 });
 
@@ -511,7 +609,7 @@ describe('for everyone', () => {
     await drop(fan);
     await ready();
     expect(await scrollsSideways()).toBe(false);
-    for (const target of [slider(), page.getByRole('button', { name: 'Download', exact: true }), page.getByRole('button', { name: 'Wireframe' })]) {
+    for (const target of [slider(), page.locator('.quality label').first(), page.locator('.quality label').last(), page.getByRole('button', { name: 'Download', exact: true }), page.getByRole('button', { name: 'Wireframe' })]) {
       const box = await target.boundingBox();
       expect(box?.height).toBeGreaterThanOrEqual(36);
       expect(box?.x).toBeGreaterThanOrEqual(0);

@@ -143,6 +143,35 @@ describe('undo', () => {
   });
 });
 
+describe('fitting for a download', () => {
+  const writing = (): State => transitions.taskStarted(ready(), { kind: 'writing', name: 'vase.glb', fraction: null });
+
+  it('is a part of the writing, with progress', () => {
+    const fitting = transitions.fittingStarted(writing());
+    expect(transitions.statusText(fitting)).toBe('Fitting vase.glb…');
+    expect(transitions.isBusy(fitting)).toBe(true);
+    expect(transitions.progress(transitions.fittingProgressed(fitting, 0.5))).toBe(0.5);
+    expect(transitions.fittingEnded(fitting).task).toEqual(writing().task);
+  });
+
+  it('changes nothing about another task, or none', () => {
+    const opening = transitions.taskStarted(ready(), { kind: 'opening', name: 'b.glb', fraction: 0.1 });
+    for (const state of [opening, ready()]) {
+      expect(transitions.fittingStarted(state)).toBe(state);
+      expect(transitions.fittingProgressed(state, 0.5)).toBe(state);
+      expect(transitions.fittingEnded(state)).toBe(state);
+    }
+  });
+
+  it('makes what is shown and what was measured out of date until the level is there', () => {
+    const deviation = { max: 1, mean: 0.1, rms: 0.2, relativeTo: 2 };
+    const stale = transitions.levelStale(transitions.measuringEnded(ready(), deviation, ''));
+    expect(stale.model?.measurement).toEqual({ kind: 'none' });
+    expect(transitions.canMeasure(stale.model!)).toBe(false);
+    expect(transitions.canMeasure(transitions.levelShown(stale, ready().model!.shown, 1000).model!)).toBe(true);
+  });
+});
+
 describe('status', () => {
   it('says what is under way, then what is shown', () => {
     const opening = transitions.taskStarted(opened(), { kind: 'opening', name: 'a.glb', fraction: 0.5 });

@@ -8,6 +8,7 @@ import { fileNameOf, filesOfDrop, filesOfInput } from './files.ts';
 import { bindKeys } from './keys.ts';
 import { bindPointers } from './preview/pointer.ts';
 import { View } from './preview/view.ts';
+import { rememberQuality, rememberedQuality } from './quality.ts';
 import { Session, describeError } from './session.ts';
 import * as transitions from './state.ts';
 import type { State } from './state.ts';
@@ -18,6 +19,7 @@ import './styles/base.css';
 const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)').matches;
 const state = signal<State>({
   ...transitions.initialState,
+  quality: rememberedQuality(),
   view: { ...transitions.initialState.view, playing: !reducedMotion, theme: rememberedTheme() },
 });
 const update = (transition: (state: State) => State): void => {
@@ -60,6 +62,7 @@ const actions: Actions = {
   fit: () => view.move({ kind: 'fit' }),
   changeView: (change) => update((now) => transitions.viewChanged(now, change)),
   chooseFormat: (format) => update((now) => transitions.outputFormatChosen(now, format)),
+  chooseQuality: (quality) => update((now) => transitions.qualityChosen(now, quality)),
   download: () => void session.download(),
   measure: () => void session.measure(),
 };
@@ -77,7 +80,8 @@ effect(() => {
     observeDock(host);
   });
 });
-watch((now) => `${now.model?.wantedTriangles} ${now.outputFormat}`, () => session.wishChanged());
+watch((now) => `${now.model?.wantedTriangles} ${now.outputFormat} ${now.quality}`, () => session.wishChanged());
+watch((now) => now.quality, rememberQuality);
 watch((now) => now.view, (settings) => view.setSettings(settings));
 watch((now) => now.view.theme, (theme) => view.setTheme(applyTheme(theme)));
 watch((now) => now.model?.name, (name) => {

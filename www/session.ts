@@ -5,7 +5,7 @@ import { baseName, decodePath, fetchFile, modelFile } from './files.ts';
 import { formatShare } from './format.ts';
 import type { View } from './preview/view.ts';
 import * as transitions from './state.ts';
-import type { Model, Notice, OutputFormat, State } from './state.ts';
+import type { Model, Notice, OutputFormat, Quality, State } from './state.ts';
 
 /** Where the session reads and changes the page's state. */
 export interface Store {
@@ -44,6 +44,10 @@ interface OpenDocument {
   readonly files: File[];
   recording: AbortController | null;
   measuring: AbortController | null;
+  /** The fit for a download that is under way, and what it is for. */
+  fitting: { readonly controller: AbortController; readonly wanted: number; readonly quality: Quality } | null;
+  /** What the level on screen, which the document stands at, was fitted with; null: it is the history's. */
+  fitted: Quality | null;
   /** The last file written, and what for; Download takes it from here. */
   written: WrittenFile | null;
   /** The wish that failed last: not tried again until it changes. */
@@ -99,7 +103,11 @@ export class Session {
   /** To be called when the wish, the format or the history changed. */
   wishChanged(): void {
     this.wake?.();
-    const { model } = this.store.value;
+    const { model, quality } = this.store.value;
+    const fitting = this.current?.fitting ?? null;
+    if (fitting !== null && (fitting.wanted !== model?.wantedTriangles || fitting.quality !== quality)) {
+      fitting.controller.abort(new DOMException('Superseded.', 'AbortError'));
+    }
     if (model?.measurement.kind !== 'running') this.current?.measuring?.abort(new DOMException('Superseded.', 'AbortError'));
     if (this.current !== null && model?.history.kind === 'none' && model.wantedTriangles !== model.source.triangles) {
       void this.record(this.current);
@@ -107,7 +115,7 @@ export class Session {
     void this.reconcile();
   }
 
-  /** Saves the level that is wanted, as soon as it can be had. */
+  /** Saves the level that is wanted, as soon as it can be had, fitted to the original as the quality says. */
   async download(): Promise<void> {
     const { model, outputFormat } = this.store.value;
     const open = this.current;
@@ -115,7 +123,12 @@ export class Session {
     const fileName = `${model.name}.${outputFormat}`;
     await this.runTask('writing', fileName, async (signal) => {
       this.filesWanted += 1;
-      const file = await this.settled(open, signal).finally(() => { this.filesWanted -= 1; });
+      signal.addEventListener('abort', () => open.fitting?.controller.abort(signal.reason), { once: true });
+      const file = await this.settled(open, signal).finally(() => {
+        this.filesWanted -= 1;
+        // A fit that came to nothing has left the level to be shown again.
+        void this.reconcile();
+      });
       if (file === null) return;
       save(new Blob([file.bytes as Uint8Array<ArrayBuffer>], { type: MIME_TYPES[outputFormat] }), fileName);
       this.store.update((state) => transitions.remarked(state, `Saved ${fileName}.${file.loss}`));
@@ -134,9 +147,7 @@ export class Session {
     };
     update((state) => transitions.measuringProgressed(state, 0));
     try {
-      // Recording may have left the document at another level.
-      const wanted = model.wantedTriangles;
-      await open.document.level(wanted === model.source.triangles ? {} : { triangles: wanted });
+      await this.selectLevel(open, model);
       const deviation = await open.document.measure({
         signal: measuring.signal,
         onProgress: (fraction) => update((state) => transitions.measuringProgressed(state, fraction)),
@@ -207,7 +218,7 @@ export class Session {
       this.current?.measuring?.abort(new DOMException('Superseded.', 'AbortError'));
       this.current?.document.dispose();
       const { summary } = document;
-      const open: OpenDocument = { document, files, recording: null, measuring: null, written: null, failedKey: null, reopened: false };
+      const open: OpenDocument = { document, files, recording: null, measuring: null, fitting: null, fitted: null, written: null, failedKey: null, reopened: false };
       this.current = open;
       this.store.update((state) =>
         transitions.modelOpened(state, {
@@ -243,6 +254,9 @@ export class Session {
     const update = (transition: (state: State) => State): void => {
       if (isCurrent()) this.store.update(transition);
     };
+    // A fitted level is not the history's.
+    if (open.fitted !== null) update(transitions.levelStale);
+    open.fitted = null;
     update((state) => transitions.recordingProgressed(state, 0));
     try {
       await open.document.simplify({
@@ -297,16 +311,19 @@ export class Session {
   /** Does the next thing that is missing; false when nothing is. */
   private async step(): Promise<boolean> {
     const open = this.current;
-    const { model, outputFormat } = this.store.value;
+    const { model, outputFormat, quality } = this.store.value;
     if (open === null || model === null || model.history.kind === 'recording') return false;
     const wanted = model.wantedTriangles;
     const full = wanted === model.source.triangles;
     if (model.history.kind === 'none' && !full) return false;
-    const key = wishKey(model, outputFormat);
+    // The size shown is that of the level shown; only a download is worth another run.
+    const fit = this.filesWanted > 0 ? fitOfFile(model, quality, open.fitted) : (open.fitted ?? 'fast');
+    const key = wishKey(model, outputFormat, fit);
     if (open.failedKey === key) return false;
     try {
       if (model.shownFor !== wanted) {
-        const level = await open.document.level(full ? {} : { triangles: wanted });
+        open.fitted = null;
+        const level = await this.selectLevel(open, model);
         const geometry = full ? null : await open.document.geometry();
         if (this.current !== open) return true;
         await this.view.setLevel(geometry);
@@ -314,11 +331,14 @@ export class Session {
         this.store.update((state) => transitions.levelShown(state, level, wanted));
         return true;
       }
+      if (fit !== (open.fitted ?? 'fast')) {
+        await this.fit(open, wanted, fit);
+        return true;
+      }
       const measured = model.output?.wantedTriangles === wanted && model.output.format === outputFormat;
       if (open.written?.key === key || (measured && this.filesWanted === 0)) return false;
       if (this.filesWanted === 0 && ((await this.pause()) || this.current !== open)) return true;
-      // Without a history the document stands at full detail; with one, recording it may have left another level.
-      if (model.history.kind === 'ready') await open.document.level(full ? {} : { triangles: wanted });
+      await this.selectLevel(open, model);
       const { bytes, report } = await open.document.write({ format: outputFormat });
       if (this.current !== open) return true;
       const loss = report.warnings.find((warning) => warning.code === 'not-carried');
@@ -334,6 +354,43 @@ export class Session {
       open.failedKey = key;
       this.store.update((state) => transitions.failed(state, describeError(error)));
       return true;
+    }
+  }
+
+  /** Sees to it that the document stands at the level that is wanted. */
+  private async selectLevel(open: OpenDocument, model: Model): Promise<transitions.Level> {
+    // Without a history it stands at full detail; with one, recording it may have left another level.
+    if (model.history.kind !== 'ready' || open.fitted !== null) return model.shown;
+    const wanted = model.wantedTriangles;
+    return open.document.level(wanted === model.source.triangles ? {} : { triangles: wanted });
+  }
+
+  /** Shows the level of `wanted` triangles as a run to it alone gives it. An abort leaves the history's to be shown. */
+  private async fit(open: OpenDocument, wanted: number, quality: Quality): Promise<void> {
+    const controller = new AbortController();
+    const { signal } = controller;
+    open.fitting = { controller, wanted, quality };
+    open.fitted = null;
+    open.measuring?.abort(new DOMException('Superseded.', 'AbortError'));
+    // Nobody is to measure meanwhile: the selected level changes at the end.
+    this.store.update((state) => transitions.fittingStarted(transitions.levelStale(state)));
+    try {
+      const onProgress = (fraction: number): void => this.store.update((state) => transitions.fittingProgressed(state, fraction));
+      let level = await open.document.simplify({ triangles: wanted, preset: quality, keepLevels: true, signal, onProgress });
+      // Near the fewest there are, the history may go further than this run.
+      if (level.triangles > wanted) level = await open.document.level({ triangles: wanted });
+      const geometry = await open.document.geometry();
+      if (this.current !== open) return;
+      await this.view.setLevel(geometry);
+      signal.throwIfAborted();
+      if (this.current !== open) return;
+      open.fitted = quality;
+      this.store.update((state) => transitions.levelShown(state, level, wanted));
+    } catch (error) {
+      if (!signal.aborted) throw error;
+    } finally {
+      open.fitting = null;
+      if (this.current === open) this.store.update(transitions.fittingEnded);
     }
   }
 
@@ -359,9 +416,9 @@ export class Session {
     this.wishChanged();
     for (;;) {
       signal.throwIfAborted();
-      const { model, outputFormat } = this.store.value;
+      const { model, outputFormat, quality } = this.store.value;
       if (this.current !== open || model === null) return null;
-      const key = wishKey(model, outputFormat);
+      const key = wishKey(model, outputFormat, fitOfFile(model, quality, open.fitted));
       if (open.written?.key === key) return open.written;
       const stopped = model.history.kind === 'none' && model.wantedTriangles !== model.source.triangles;
       if (stopped || open.failedKey === key) return null;
@@ -378,7 +435,13 @@ export class Session {
   }
 }
 
-const wishKey = (model: Model, format: OutputFormat): string => `${model.wantedTriangles}.${format}`;
+const wishKey = (model: Model, format: OutputFormat, fit: Quality): string => `${model.wantedTriangles}.${format}.${fit}`;
+
+/** What a file is to be fitted with: at full detail there is nothing to fit, and `fast` takes what is shown. */
+const fitOfFile = (model: Model, quality: Quality, fitted: Quality | null): Quality => {
+  if (model.wantedTriangles === model.source.triangles) return 'fast';
+  return quality === 'fast' ? (fitted ?? 'fast') : quality;
+};
 
 /** Resolves when the page has been painted with what it knows now, and soon where nothing is painted. */
 const afterNextPaint = (): Promise<void> =>

@@ -1,5 +1,5 @@
 // The page's one state value and the pure transitions between its values; nothing here fetches, draws or waits.
-import type { OutputFormat } from 'decimesh/worker';
+import type { OutputFormat, Preset } from 'decimesh/worker';
 
 export type { OutputFormat };
 
@@ -8,6 +8,16 @@ export const FORMAT_NAMES: Readonly<Record<OutputFormat, string>> = { glb: 'GLB'
 
 /** Whether `value` names a format that can be downloaded. */
 export const isOutputFormat = (value: string): value is OutputFormat => Object.hasOwn(FORMAT_NAMES, value);
+
+/** How good the level is that is downloaded. */
+export type Quality = Preset;
+
+/** The qualities as the page offers them. */
+export const QUALITIES: ReadonlyArray<{ readonly value: Quality; readonly name: string; readonly meaning: string }> = [
+  { value: 'fast', name: 'Fast', meaning: 'Downloads the level as it is shown, at once' },
+  { value: 'balanced', name: 'Balanced', meaning: 'Fits the level to the original before the download' },
+  { value: 'best', name: 'Best', meaning: 'Fits the level to the original as closely as it can before the download; takes longer' },
+];
 
 /** Something that went wrong, or a remark about a file, as the engine reports it. */
 export interface Notice {
@@ -94,7 +104,7 @@ export interface Model {
 
 /** Something that keeps the user waiting and can be cancelled. */
 export interface Task {
-  readonly kind: 'opening' | 'writing';
+  readonly kind: 'opening' | 'fitting' | 'writing';
   readonly name: string;
   /** 0..1, or null when unknown. */
   readonly fraction: number | null;
@@ -116,12 +126,16 @@ export interface State {
   readonly task: Task | null;
   readonly notice: Notice | null;
   readonly outputFormat: OutputFormat;
+  readonly quality: Quality;
   readonly view: View;
   /** A file is being dragged over the window. */
   readonly dragging: boolean;
   /** What the live region says when nothing is under way; set by the last event worth telling. */
   readonly remark: string;
 }
+
+/** A triangle count that nobody wishes for. */
+const NO_WISH = -1;
 
 /** Undo steps kept. */
 const UNDO_LIMIT = 200;
@@ -131,6 +145,7 @@ export const initialState: State = {
   task: null,
   notice: null,
   outputFormat: 'glb',
+  quality: 'balanced',
   view: { wireframe: false, playing: true, animation: 0, comparing: false, theme: 'system' },
   dragging: false,
   remark: '',
@@ -211,6 +226,20 @@ export const historyReady = (state: State, fewestTriangles: number): State =>
 export const levelShown = (state: State, shown: Level, shownFor: number): State =>
   withModel({ ...state, remark: '' }, (model) => ({ ...model, shown, shownFor }));
 
+/** The level on screen is to be replaced, by one of the same count too; what was measured is of no use then. */
+export const levelStale = (state: State): State =>
+  withModel(state, (model) => ({ ...model, shownFor: NO_WISH, measurement: { kind: 'none' } }));
+
+/** The download under way has the level fitted to the original first. */
+export const fittingStarted = (state: State): State =>
+  state.task?.kind === 'writing' ? { ...state, task: { ...state.task, kind: 'fitting', fraction: 0 } } : state;
+
+export const fittingProgressed = (state: State, fraction: number): State =>
+  state.task?.kind === 'fitting' ? { ...state, task: { ...state.task, fraction: clamp(fraction, 0, 1) } } : state;
+
+export const fittingEnded = (state: State): State =>
+  state.task?.kind === 'fitting' ? { ...state, task: { ...state.task, kind: 'writing', fraction: null } } : state;
+
 /** The first picture of the model is on screen. */
 export const modelDrawn = (state: State): State => withModel(state, (model) => ({ ...model, drawn: true }));
 
@@ -274,6 +303,8 @@ export const redone = (state: State): State =>
 
 export const outputFormatChosen = (state: State, outputFormat: OutputFormat): State => ({ ...state, outputFormat });
 
+export const qualityChosen = (state: State, quality: Quality): State => ({ ...state, quality });
+
 export const viewChanged = (state: State, change: Partial<View>): State => ({ ...state, view: { ...state.view, ...change } });
 
 export const draggingChanged = (state: State, dragging: boolean): State =>
@@ -294,15 +325,17 @@ export const isSettled = (model: Model): boolean => model.shownFor === model.wan
 
 /** 0..1, null when unknown or when nothing is under way. */
 export const progress = (state: State): number | null => {
-  if (state.task?.kind === 'opening') return state.task.fraction;
+  if (state.task?.kind === 'opening' || state.task?.kind === 'fitting') return state.task.fraction;
   const history = state.model?.history;
   return history?.kind === 'recording' ? history.fraction : null;
 };
 
+const TASK_NAMES: Readonly<Record<Task['kind'], string>> = { opening: 'Opening', fitting: 'Fitting', writing: 'Writing' };
+
 /** The sentence of the live region. Progress is left to the progress bar, or it would be read out at every per cent. */
 export const statusText = (state: State): string => {
   const { task, model } = state;
-  if (task !== null) return task.kind === 'opening' ? `Opening ${task.name}…` : `Writing ${task.name}…`;
+  if (task !== null) return `${TASK_NAMES[task.kind]} ${task.name}…`;
   if (model === null) return state.remark;
   if (model.history.kind === 'recording') return `Simplifying ${model.name}…`;
   const count = (triangles: number): string => triangles.toLocaleString('en');

@@ -2,6 +2,7 @@
 
 import { parseArgs, type ParseArgsConfig } from 'node:util';
 import { DecimeshError } from '../errors.js';
+import { PRESETS, isPreset } from '../options.js';
 import type { SimplifyOptions } from '../types.js';
 
 /** Files to simplify, and how. */
@@ -13,8 +14,6 @@ export interface Job {
   readonly output: string | undefined;
   readonly directory: string | undefined;
   readonly options: SimplifyOptions;
-  /** Options that were given but have no effect yet. */
-  readonly ignored: readonly string[];
   readonly json: boolean;
   /** Whether the deviation is to be measured. */
   readonly measure: boolean;
@@ -41,7 +40,8 @@ How far (name one; of several, the first that is reached stops):
 How:
   --placement RULE     optimal (default): new vertex positions; subset: only original ones
   --lock-border        open borders do not move
-  --preset NAME        fast, balanced (default) or best; accepted, but there is only one way to work yet
+  --preset NAME        time against quality: fast, balanced (default) or best
+  --time-budget MS     simplify for at most so many milliseconds; the result is what was done by then
 
 Output:
   -o, --output FILE    replaced only when all went well; never the input itself
@@ -67,6 +67,7 @@ const OPTIONS = {
   lods: { type: 'string' },
   placement: { type: 'string' },
   preset: { type: 'string' },
+  'time-budget': { type: 'string' },
   'lock-border': { type: 'boolean' },
   compress: { type: 'string' },
   quantize: { type: 'boolean' },
@@ -108,7 +109,7 @@ export function readArguments(args: readonly string[]): Command {
   for (const [name, value] of Object.entries({ '-o': output, '-d': directory })) {
     if (value === '') throw usage(name, 'must not be empty');
   }
-  return { action: 'simplify', inputs, output, directory, json, measure, options: simplifyOptions(values), ignored: ignored(values) };
+  return { action: 'simplify', inputs, output, directory, json, measure, options: simplifyOptions(values) };
 }
 
 function refuseUnsupported({ size, lods, quantize, compress }: Values): void {
@@ -121,18 +122,23 @@ function refuseUnsupported({ size, lods, quantize, compress }: Values): void {
 }
 
 function simplifyOptions(values: Values): SimplifyOptions {
-  const { ratio, triangles, error, placement } = values;
+  const { ratio, triangles, error, placement, preset } = values;
   if (ratio === undefined && triangles === undefined && error === undefined) {
     throw usage('options', 'name a target: --ratio R, --triangles N or --error E');
   }
   if (placement !== undefined && placement !== 'optimal' && placement !== 'subset') {
     throw usage('--placement', `must be optimal or subset, not '${placement}'`);
   }
+  if (preset !== undefined && !isPreset(preset)) {
+    throw usage('--preset', `must be ${PRESETS.join(', ')}, not '${preset}'`);
+  }
   return {
     ratio: number('--ratio', ratio, 'a number from 0 to 1', (value) => value <= 1),
     triangles: number('--triangles', triangles, 'an integer of at least 0', Number.isSafeInteger),
     error: errorLimit(error),
     placement,
+    preset,
+    timeBudget: number('--time-budget', values['time-budget'], 'a number of milliseconds of at least 0', () => true),
     lockBorder: values['lock-border'],
   };
 }
@@ -151,12 +157,6 @@ function errorLimit(text: string | undefined): SimplifyOptions['error'] {
   const wanted = 'a number of at least 0, or a percentage such as 0.1%';
   const value = number('--error', text?.replace(/%$/, ''), wanted, () => true);
   return text?.endsWith('%') ? `${value as number}%` : value;
-}
-
-function ignored({ preset }: Values): string[] {
-  if (preset === undefined || preset === 'balanced') return [];
-  if (preset !== 'fast' && preset !== 'best') throw usage('--preset', `must be fast, balanced or best, not '${preset}'`);
-  return [`--preset ${preset}`];
 }
 
 /** The error for a wrong command line. */

@@ -3,7 +3,7 @@
 import { basename } from 'node:path';
 import { DecimeshError } from '../errors.js';
 import type { Report } from '../report.js';
-import type { Warning } from '../types.js';
+import type { StopReason, Warning } from '../types.js';
 
 const LONGEST_LINE = 1000;
 
@@ -17,6 +17,14 @@ export function warningLine(warning: Warning, path: string): string {
   return line(['warning', warning.code, placeIn(path, warning.where), warning.message]);
 }
 
+/** Why there are not fewer triangles, where that is worth saying. */
+const STOPPED: Readonly<Record<StopReason, string>> = {
+  target: '',
+  error: '',
+  constraints: ', no fewer without damage',
+  time: ', the time budget was spent',
+};
+
 /** What became of a file. */
 export function resultLine({ input, output, stopReason, estimatedError, deviation, timings }: Report, diagonal: number): string {
   const count = (value: number): string => value.toLocaleString('en');
@@ -27,7 +35,7 @@ export function resultLine({ input, output, stopReason, estimatedError, deviatio
     deviation === null
       ? ''
       : `, measured deviation max ${shown(deviation.max)}, mean ${shown(deviation.mean)}, rms ${shown(deviation.rms)}`;
-  const stopped = stopReason === 'constraints' ? ', no fewer without damage' : '';
+  const stopped = stopReason === null ? '' : STOPPED[stopReason];
   return line([
     `${input.path} → ${output.path}`,
     `${count(input.triangles)} → ${count(output.triangles)} triangles${stopped}, ${size(input.bytes)} → ` +

@@ -8,6 +8,7 @@ import type { NodeWorker } from '../platform.js';
 import type { Deviation } from '../report.js';
 import type {
   DocumentInput,
+  DocumentSimplifyOptions,
   DocumentSummary,
   LevelGeometry,
   LevelSummary,
@@ -24,6 +25,7 @@ import type { Answer, AnsweredRequest, AnswerTo, Reply, Request } from './protoc
 
 export { DecimeshError } from '../errors.js';
 export { OUTPUT_FORMATS, usualFormat } from '../formats.js';
+export { PRESETS, isPreset } from '../options.js';
 export type { Deviation, Report, SideDeviation } from '../report.js';
 export type * from '../types.js';
 export type { Written };
@@ -249,7 +251,7 @@ export class DocumentProxy {
   }
 
   /** As `Document.simplify`; an abort rejects at once. A call after an abort need not wait for anything. */
-  async simplify(options: SimplifyOptions & RunOptions = {}): Promise<LevelSummary> {
+  async simplify(options: DocumentSimplifyOptions & RunOptions = {}): Promise<LevelSummary> {
     const [simplifyOptions, runOptions] = splitOptions(options);
     const request = { type: 'simplify', document: this.#number(), options: simplifyOptions } as const;
     return (await this.#connection.request(request, runOptions)).level;

@@ -10,6 +10,7 @@ import type { LoadedFile } from '../files.js';
 import type { Written } from '../document.js';
 import type { Deviation } from '../report.js';
 import type {
+  DocumentSimplifyOptions,
   DocumentSummary,
   LevelGeometry,
   LevelSummary,
@@ -33,7 +34,7 @@ export interface SimplifyRequest {
   readonly type: 'simplify';
   readonly id: number;
   readonly document: number;
-  readonly options: SimplifyOptions;
+  readonly options: DocumentSimplifyOptions;
 }
 
 /** Selects a level. Answered by {@link LevelReply}. */

@@ -2,7 +2,7 @@
 import { samples } from '../../samples/samples.ts';
 import type { Sample } from '../../samples/samples.ts';
 import { fewestTriangles, isBusy, isSettled, progress, statusText } from '../../state.ts';
-import type { Model, OutputFormat, State, View } from '../../state.ts';
+import type { Model, OutputFormat, Quality, State, View } from '../../state.ts';
 import { Download } from '../download/download.tsx';
 import { DropHint, Landing } from '../drop-zone/drop-zone.tsx';
 import { FileChooser } from '../drop-zone/file-chooser.tsx';
@@ -28,6 +28,7 @@ export interface Actions {
   fit(): void;
   changeView(change: Partial<View>): void;
   chooseFormat(format: OutputFormat): void;
+  chooseQuality(quality: Quality): void;
   download(): void;
   measure(): void;
 }
@@ -110,8 +111,10 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
             />
             <Download
               format={state.outputFormat}
-              busy={state.task?.kind === 'writing'}
+              quality={state.quality}
+              busy={state.task?.kind === 'writing' || state.task?.kind === 'fitting'}
               onFormat={actions.chooseFormat}
+              onQuality={actions.chooseQuality}
               onDownload={actions.download}
             />
           </div>

@@ -1,26 +1,32 @@
-// The button `Download` and the choice of its format.
+// The button `Download` and the choices of its format and quality.
 import { FORMAT_NAMES, isOutputFormat } from '../../state.ts';
-import type { OutputFormat } from '../../state.ts';
+import type { OutputFormat, Quality as QualityName } from '../../state.ts';
 import { Icon } from '../icon/icon.tsx';
+import { Quality } from '../quality/quality.tsx';
 import './download.css';
 
 interface DownloadProps {
   readonly format: OutputFormat;
+  readonly quality: QualityName;
   readonly busy: boolean;
   onFormat(format: OutputFormat): void;
+  onQuality(quality: QualityName): void;
   onDownload(): void;
 }
 
-export function Download({ format, busy, onFormat, onDownload }: DownloadProps) {
+export function Download({ format, quality, busy, onFormat, onQuality, onDownload }: DownloadProps) {
   return (
     <div class="download">
-      <button type="button" class="primary" aria-busy={busy} onClick={onDownload}>
-        <Icon name="download" />
-        <span>Download</span>
-      </button>
-      <select aria-label="File format" value={format} onChange={(event) => isOutputFormat(event.currentTarget.value) && onFormat(event.currentTarget.value)}>
-        {Object.entries(FORMAT_NAMES).map(([value, name]) => <option key={value} value={value}>{name}</option>)}
-      </select>
+      <Quality quality={quality} onQuality={onQuality} />
+      <div class="download-row">
+        <button type="button" class="primary" aria-busy={busy} onClick={onDownload}>
+          <Icon name="download" />
+          <span>Download</span>
+        </button>
+        <select aria-label="File format" value={format} onChange={(event) => isOutputFormat(event.currentTarget.value) && onFormat(event.currentTarget.value)}>
+          {Object.entries(FORMAT_NAMES).map(([value, name]) => <option key={value} value={value}>{name}</option>)}
+        </select>
+      </div>
     </div>
   );
 }

@@ -1,0 +1,33 @@
+// The choice of how good the downloaded level is: three radio buttons that look like one control.
+import { QUALITIES } from '../../state.ts';
+import type { Quality as QualityName } from '../../state.ts';
+import './quality.css';
+
+interface QualityProps {
+  readonly quality: QualityName;
+  onQuality(quality: QualityName): void;
+}
+
+export function Quality({ quality, onQuality }: QualityProps) {
+  return (
+    <fieldset class="quality">
+      <legend>Quality</legend>
+      <div class="quality-choices">
+        {QUALITIES.map(({ value, name, meaning }) => (
+          <label key={value} title={meaning}>
+            <input
+              type="radio"
+              name="quality"
+              value={value}
+              checked={value === quality}
+              aria-describedby={`quality-${value}`}
+              onChange={() => onQuality(value)}
+            />
+            <span>{name}</span>
+            <span id={`quality-${value}`} class="visually-hidden" aria-hidden="true">{meaning}</span>
+          </label>
+        ))}
+      </div>
+    </fieldset>
+  );
+}
