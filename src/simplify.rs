@@ -17,6 +17,7 @@ mod fit;
 mod lanes;
 mod legality;
 mod placement;
+mod polylines;
 mod prepare;
 mod quadric;
 mod record;
@@ -31,11 +32,12 @@ use collapse::Patch;
 use edges::Edges;
 use fit::Fit;
 use legality::Refusal;
+use polylines::Polylines;
 use prepare::{Preparation, Welded};
 use record::Record;
 use space::Space;
 use topology::Topology;
-use vertex_kind::{Freedom, Polyline};
+use vertex_kind::{Freedom, VertexKind};
 
 /// How strongly the lines of borders and seams hold, against the planes of the surface.
 const LINE_WEIGHT: f32 = 1.0;
@@ -163,7 +165,7 @@ pub struct Simplifier {
     stage: Stage,
     preparation: Preparation,
     topology: Topology,
-    polylines: Vec<Polyline>,
+    polylines: Polylines,
     wedge_of_vertex: Vec<u32>,
     vertex_of_wedge: Vec<u32>,
     spaces: Vec<Space>,
@@ -177,6 +179,8 @@ pub struct Simplifier {
     live: Vec<u32>,
     max_error_squared: f32,
     blocked_by_error: bool,
+    /// Nothing is left to do but what the surface's topology forbids, where there is no surface.
+    last_resort: bool,
     edges: Edges,
     patch: Box<Patch>,
     initial_triangle_count: usize,
@@ -201,7 +205,7 @@ impl Simplifier {
             stage: Stage::Weld,
             preparation: Preparation::default(),
             topology: Topology::default(),
-            polylines: Vec::new(),
+            polylines: Polylines::default(),
             wedge_of_vertex: Vec::new(),
             vertex_of_wedge: Vec::new(),
             spaces: Vec::new(),
@@ -214,6 +218,7 @@ impl Simplifier {
             live: Vec::new(),
             max_error_squared: f32::INFINITY,
             blocked_by_error: false,
+            last_resort: false,
             edges: Edges::default(),
             patch: Box::default(),
             initial_triangle_count: 0,
@@ -321,6 +326,7 @@ impl Simplifier {
         let spaces = &self.spaces;
         let positions = positions.map(|(&w, &part)| spaces[usize::from(part)].to_engine(mesh.positions[w as usize]));
         self.topology = self.preparation.topology(positions);
+        self.patch.set_starts = mesh.wedge_sets.iter().map(|set| set.wedges.start as u32).collect();
         let vertex_count = self.wedge_of_vertex.len();
         self.keys = vec![f32::INFINITY; vertex_count];
         self.live = (0..vertex_count as u32).collect();
@@ -351,7 +357,7 @@ impl Simplifier {
             }
             if self.ready_next == self.ready.len() {
                 let cost = self.live.len() / 16;
-                if !self.raise_threshold() {
+                if !self.raise_threshold() && !self.begin_last_resort() {
                     let reason = if self.blocked_by_error { StopReason::Error } else { StopReason::Constraints };
                     self.complete(mesh, reason);
                     return;
@@ -366,6 +372,26 @@ impl Simplifier {
                 left = left.saturating_sub(cost);
             }
         }
+    }
+
+    /// When nothing else is left to do, gives the vertices that no surface goes through, and their
+    /// neighbours, another chance; false if there is none.
+    fn begin_last_resort(&mut self) -> bool {
+        if self.last_resort {
+            return false;
+        }
+        self.last_resort = true;
+        self.threshold = 0.0;
+        let Self { topology, keys, live, .. } = self;
+        live.clear();
+        for v in 0..topology.vertices.len() as u32 {
+            let vertex = &topology.vertices[v as usize];
+            if vertex.kind == VertexKind::NonManifold && vertex.ring_length() > 0 {
+                keys[v as usize] = 0.0;
+                live.push(v);
+            }
+        }
+        !live.is_empty()
     }
 
     /// Ends the sweep; a fit of what is left may follow.
@@ -433,7 +459,7 @@ impl Simplifier {
     /// Returns the work done.
     fn visit(&mut self, mesh: &Mesh, v: u32) -> usize {
         self.topology.refresh(v, &mut self.patch.builder);
-        self.edges.gather(&self.topology, &self.polylines, self.options.placement, v);
+        self.edges.gather(&self.topology, &self.polylines, self.options.placement, self.last_resort, v);
         let mut refused = false;
         let mut key = f32::INFINITY;
         for tries in 0..=TRIES {
