@@ -19,6 +19,7 @@ mod legality;
 mod placement;
 mod polylines;
 mod prepare;
+mod prune;
 mod quadric;
 mod record;
 mod space;
@@ -103,6 +104,9 @@ pub struct SimplifyOptions {
     pub target_triangle_count: usize,
     /// Largest estimated deviation in world units, ≥ 0. Default infinite.
     pub max_error: f32,
+    /// Parts of the surface that are smaller than the error may vanish, the smallest first; one always
+    /// stays. See [`Simplifier::pruned_count`]. Default off.
+    pub prune: bool,
     /// Vertices on open borders neither move nor vanish. Default off.
     pub lock_border: bool,
     /// Default optimal.
@@ -119,6 +123,7 @@ impl Default for SimplifyOptions {
         Self {
             target_triangle_count: 0,
             max_error: f32::INFINITY,
+            prune: false,
             lock_border: false,
             placement: PlacementRule::Optimal,
             preset: Preset::Balanced,
@@ -181,6 +186,7 @@ pub struct Simplifier {
     blocked_by_error: bool,
     /// Nothing is left to do but what the surface's topology forbids, where there is no surface.
     last_resort: bool,
+    pruned_count: usize,
     edges: Edges,
     patch: Box<Patch>,
     initial_triangle_count: usize,
@@ -219,6 +225,7 @@ impl Simplifier {
             max_error_squared: f32::INFINITY,
             blocked_by_error: false,
             last_resort: false,
+            pruned_count: 0,
             edges: Edges::default(),
             patch: Box::default(),
             initial_triangle_count: 0,
@@ -306,6 +313,12 @@ impl Simplifier {
             })
             .collect();
         self.record.finish(self.vertex_of_wedge, self.initial_triangle_count, self.stop_reason, fitted)
+    }
+
+    /// How many parts of the surface have vanished; 0 without [`SimplifyOptions::prune`].
+    #[must_use]
+    pub fn pruned_count(&self) -> usize {
+        self.pruned_count
     }
 
     fn weld(&mut self, mesh: &Mesh) {
@@ -459,6 +472,9 @@ impl Simplifier {
     /// Returns the work done.
     fn visit(&mut self, mesh: &Mesh, v: u32) -> usize {
         self.topology.refresh(v, &mut self.patch.builder);
+        if self.options.prune && self.is_last_of_part(v) {
+            return self.visit_last_of_part(mesh, v);
+        }
         self.edges.gather(&self.topology, &self.polylines, self.options.placement, self.last_resort, v);
         let mut refused = false;
         let mut key = f32::INFINITY;
