@@ -21,6 +21,7 @@ export interface ResolvedTargets {
 /** The JSON that the engine's `beginSimplify` takes. */
 export interface SimplifyRequest extends ResolvedTargets {
   lockBorder?: boolean;
+  prune?: boolean;
   placement?: 'optimal' | 'subset';
   preset?: Preset;
   everyLevel?: boolean;
@@ -33,7 +34,7 @@ export const PRESETS: readonly Preset[] = ['fast', 'balanced', 'best'];
 const TARGETS = ['ratio', 'triangles', 'error'];
 
 /** Names of the options of a simplification. */
-export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'placement', 'preset', 'timeBudget'];
+export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'prune', 'placement', 'preset', 'timeBudget'];
 
 /** Names of {@link DocumentSimplifyOptions}. */
 export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels'];
@@ -67,7 +68,7 @@ export function isPreset(value: unknown): value is Preset {
 export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, scale: Scale): SimplifyRequest {
   const { placement, preset, timeBudget, onProgress, signal } = options;
   const request: SimplifyRequest = targetsOf(options, scale);
-  for (const name of ['lockBorder', 'everyLevel', 'keepLevels'] as const) {
+  for (const name of ['lockBorder', 'prune', 'everyLevel', 'keepLevels'] as const) {
     const value = options[name];
     if (value === undefined) continue;
     if (typeof value !== 'boolean') throw invalidArgument(name, 'must be true or false');

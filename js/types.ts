@@ -105,6 +105,8 @@ export interface Targets {
 export interface SimplifyOptions extends Targets {
   /** Open borders do not move. Default false. */
   readonly lockBorder?: boolean | undefined;
+  /** Parts that are down to one triangle or tetrahedron may vanish, cheapest first; one always stays. Default false. */
+  readonly prune?: boolean | undefined;
   /** `'optimal'` (default) puts vertices where the error is least; `'subset'` uses only original positions. */
   readonly placement?: 'optimal' | 'subset' | undefined;
   /** Default `'balanced'`. It matters for a run to one level; one whose every level is wanted is the same with each. */

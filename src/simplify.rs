@@ -17,7 +17,9 @@ mod fit;
 mod lanes;
 mod legality;
 mod placement;
+mod polylines;
 mod prepare;
+mod prune;
 mod quadric;
 mod record;
 mod space;
@@ -31,11 +33,12 @@ use collapse::Patch;
 use edges::Edges;
 use fit::Fit;
 use legality::Refusal;
+use polylines::Polylines;
 use prepare::{Preparation, Welded};
 use record::Record;
 use space::Space;
 use topology::Topology;
-use vertex_kind::{Freedom, Polyline};
+use vertex_kind::{Freedom, VertexKind};
 
 /// How strongly the lines of borders and seams hold, against the planes of the surface.
 const LINE_WEIGHT: f32 = 4.0;
@@ -101,6 +104,9 @@ pub struct SimplifyOptions {
     pub target_triangle_count: usize,
     /// Largest estimated deviation in world units, ≥ 0. Default infinite.
     pub max_error: f32,
+    /// Parts of the surface that are smaller than the error may vanish, the smallest first; one always
+    /// stays. See [`Simplifier::pruned_count`]. Default off.
+    pub prune: bool,
     /// Vertices on open borders neither move nor vanish. Default off.
     pub lock_border: bool,
     /// Default optimal.
@@ -117,6 +123,7 @@ impl Default for SimplifyOptions {
         Self {
             target_triangle_count: 0,
             max_error: f32::INFINITY,
+            prune: false,
             lock_border: false,
             placement: PlacementRule::Optimal,
             preset: Preset::Balanced,
@@ -163,7 +170,7 @@ pub struct Simplifier {
     stage: Stage,
     preparation: Preparation,
     topology: Topology,
-    polylines: Vec<Polyline>,
+    polylines: Polylines,
     wedge_of_vertex: Vec<u32>,
     vertex_of_wedge: Vec<u32>,
     spaces: Vec<Space>,
@@ -177,6 +184,9 @@ pub struct Simplifier {
     live: Vec<u32>,
     max_error_squared: f32,
     blocked_by_error: bool,
+    /// Nothing is left to do but what the surface's topology forbids, where there is no surface.
+    last_resort: bool,
+    pruned_count: usize,
     edges: Edges,
     patch: Box<Patch>,
     initial_triangle_count: usize,
@@ -201,7 +211,7 @@ impl Simplifier {
             stage: Stage::Weld,
             preparation: Preparation::default(),
             topology: Topology::default(),
-            polylines: Vec::new(),
+            polylines: Polylines::default(),
             wedge_of_vertex: Vec::new(),
             vertex_of_wedge: Vec::new(),
             spaces: Vec::new(),
@@ -214,6 +224,8 @@ impl Simplifier {
             live: Vec::new(),
             max_error_squared: f32::INFINITY,
             blocked_by_error: false,
+            last_resort: false,
+            pruned_count: 0,
             edges: Edges::default(),
             patch: Box::default(),
             initial_triangle_count: 0,
@@ -318,6 +330,12 @@ impl Simplifier {
         self.record.finish(self.vertex_of_wedge, self.initial_triangle_count, self.stop_reason, fitted)
     }
 
+    /// How many parts of the surface have vanished; 0 without [`SimplifyOptions::prune`].
+    #[must_use]
+    pub fn pruned_count(&self) -> usize {
+        self.pruned_count
+    }
+
     fn weld(&mut self, mesh: &Mesh) {
         let Welded { spaces, part_of_vertex, wedge_of_vertex, vertex_of_wedge } = self.preparation.weld(mesh);
         if let Some(space) = spaces.first() {
@@ -336,6 +354,7 @@ impl Simplifier {
         let spaces = &self.spaces;
         let positions = positions.map(|(&w, &part)| spaces[usize::from(part)].to_engine(mesh.positions[w as usize]));
         self.topology = self.preparation.topology(positions);
+        self.patch.set_starts = mesh.wedge_sets.iter().map(|set| set.wedges.start as u32).collect();
         let vertex_count = self.wedge_of_vertex.len();
         self.keys = vec![f32::INFINITY; vertex_count];
         self.live = (0..vertex_count as u32).collect();
@@ -371,7 +390,7 @@ impl Simplifier {
             }
             if self.ready_next == self.ready.len() {
                 let cost = self.live.len() / 16;
-                if !self.raise_threshold() {
+                if !self.raise_threshold() && !self.begin_last_resort() {
                     let reason = if self.blocked_by_error { StopReason::Error } else { StopReason::Constraints };
                     self.complete(mesh, reason);
                     return;
@@ -386,6 +405,26 @@ impl Simplifier {
                 left = left.saturating_sub(cost);
             }
         }
+    }
+
+    /// When nothing else is left to do, gives the vertices that no surface goes through, and their
+    /// neighbours, another chance; false if there is none.
+    fn begin_last_resort(&mut self) -> bool {
+        if self.last_resort {
+            return false;
+        }
+        self.last_resort = true;
+        self.threshold = 0.0;
+        let Self { topology, keys, live, .. } = self;
+        live.clear();
+        for v in 0..topology.vertices.len() as u32 {
+            let vertex = &topology.vertices[v as usize];
+            if vertex.kind == VertexKind::NonManifold && vertex.ring_length() > 0 {
+                keys[v as usize] = 0.0;
+                live.push(v);
+            }
+        }
+        !live.is_empty()
     }
 
     /// Ends the sweep; a fit of what is left may follow.
@@ -424,8 +463,7 @@ impl Simplifier {
         let quota = missing + missing / 2;
         if self.ready.len() > quota {
             let keys = &self.keys;
-            let mut sorted: Vec<f32> = self.ready.iter().map(|&v| keys[v as usize]).collect();
-            let (_, &mut limit, _) = sorted.select_nth_unstable_by(quota, f32::total_cmp);
+            let limit = limit_of(self.ready.iter().map(|&v| keys[v as usize]), quota);
             self.threshold = limit;
             self.ready.retain(|&v| keys[v as usize] <= limit);
         }
@@ -453,7 +491,10 @@ impl Simplifier {
     /// Returns the work done.
     fn visit(&mut self, mesh: &Mesh, v: u32) -> usize {
         self.topology.refresh(v, &mut self.patch.builder);
-        self.edges.gather(&self.topology, &self.polylines, self.options.placement, v);
+        if self.options.prune && self.is_last_of_part(v) {
+            return self.visit_last_of_part(mesh, v);
+        }
+        self.edges.gather(&self.topology, &self.polylines, self.options.placement, self.last_resort, v);
         let mut refused = false;
         let mut key = f32::INFINITY;
         for tries in 0..=TRIES {
@@ -521,6 +562,30 @@ fn next_threshold(cost: f32, octaves: i32) -> f32 {
     let exponent = (cost.max(f32::MIN_POSITIVE).to_bits() >> 23) as i32 - 127;
     let next = (exponent.div_euclid(octaves) + 1) * octaves;
     f32::from_bits(((next + 127).clamp(1, 254) as u32) << 23)
+}
+
+/// A number that at least `quota` of the keys are not above, and few more: the upper end of one of
+/// 1,024 equal parts of what they span, as bits. Keys are at least 0.
+fn limit_of(keys: impl Iterator<Item = f32> + Clone, quota: usize) -> f32 {
+    const PARTS: u32 = 1024;
+    let (mut low, mut high) = (u32::MAX, 0);
+    for key in keys.clone() {
+        let bits = key.to_bits();
+        (low, high) = (if bits < low { bits } else { low }, if bits > high { bits } else { high });
+    }
+    let width = high.saturating_sub(low) / PARTS + 1;
+    let mut counts = [0_usize; PARTS as usize];
+    for key in keys {
+        counts[((key.to_bits() - low) / width).min(PARTS - 1) as usize] += 1;
+    }
+    let mut sum = 0;
+    for (part, count) in (1..).zip(counts) {
+        sum += count;
+        if sum >= quota {
+            return f32::from_bits((low + part * width - 1).min(high));
+        }
+    }
+    f32::from_bits(high)
 }
 
 fn next_up(x: f32) -> f32 {

@@ -55,7 +55,8 @@ fn thrown(error: Error) -> JsValue {
 }
 
 fn parse<'a, T: Deserialize<'a>>(json: &'a str, place: &str) -> Result<T, JsValue> {
-    serde_json::from_str(json).map_err(|e| thrown(Error::new(ErrorCode::InvalidArgument, place, e.to_string())))
+    serde_json::from_slice(json.as_bytes())
+        .map_err(|e| thrown(Error::new(ErrorCode::InvalidArgument, place, e.to_string())))
 }
 
 fn to_json(value: &impl Serialize) -> Result<String, JsValue> {
@@ -78,6 +79,7 @@ struct SimplifyRequest {
     error: Option<f64>,
     error_relative: Option<f64>,
     lock_border: bool,
+    prune: bool,
     placement: Option<String>,
     preset: Option<String>,
     every_level: bool,
@@ -128,6 +130,7 @@ impl SimplifyRequest {
             target_triangle_count: target as usize,
             max_error: max_error as f32,
             lock_border: self.lock_border,
+            prune: self.prune,
             placement,
             preset,
             every_level: self.every_level,

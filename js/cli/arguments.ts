@@ -40,6 +40,7 @@ How far (name one; of several, the first that is reached stops):
 How:
   --placement RULE     optimal (default): new vertex positions; subset: only original ones
   --lock-border        open borders do not move
+  --prune              parts that are down to a triangle may vanish
   --preset NAME        time against quality: fast, balanced (default) or best
   --time-budget MS     simplify for at most so many milliseconds; the result is what was done by then
 
@@ -69,6 +70,7 @@ const OPTIONS = {
   preset: { type: 'string' },
   'time-budget': { type: 'string' },
   'lock-border': { type: 'boolean' },
+  prune: { type: 'boolean' },
   compress: { type: 'string' },
   quantize: { type: 'boolean' },
   measure: { type: 'boolean' },
@@ -140,6 +142,7 @@ function simplifyOptions(values: Values): SimplifyOptions {
     preset,
     timeBudget: number('--time-budget', values['time-budget'], 'a number of milliseconds of at least 0', () => true),
     lockBorder: values['lock-border'],
+    prune: values.prune,
   };
 }
 

@@ -167,7 +167,12 @@ fn blend_influences(joints: &mut [f32], weights: &mut [f32], (a, b, n): (usize, 
     if merged.is_empty() {
         return;
     }
-    merged.sort_by(|x, y| y.1.total_cmp(&x.1).then(x.0.total_cmp(&y.0)));
+    // The strongest first, of equals the lower joint; there are at most a few.
+    for k in 0..merged.len().min(n) {
+        let stronger = |x: (f32, f32), y: (f32, f32)| x.1 > y.1 || (x.1 == y.1 && x.0 < y.0);
+        let strongest = (k..merged.len()).fold(k, |best, i| if stronger(merged[i], merged[best]) { i } else { best });
+        merged.swap(k, strongest);
+    }
     merged.truncate(n);
     let kept: f32 = merged.iter().map(|m| m.1).sum();
     for k in 0..n {

@@ -4,14 +4,14 @@
 //! rings: every vertex around them is read once and written once. All other pairs go through
 //! lists of triangles, which bear any soup.
 
+use super::Simplifier;
 use super::lanes::{Lanes, Lanes3, WIDTH};
 use super::legality::{self, Refusal};
 use super::placement::Placement;
-use super::prepare::line_quadric;
+use super::polylines::Polylines;
 use super::quadric::{Quadric, QuadricLanes, Vec3};
-use super::topology::{Corner, Form, NONE, RingBuilder, Topology};
-use super::vertex_kind::{Polyline, VertexKind};
-use super::{LINE_WEIGHT, Simplifier};
+use super::topology::{Corner, Form, RingBuilder, Topology};
+use super::vertex_kind::VertexKind;
 
 /// Longest merged ring that is spliced in place.
 const CAPACITY: usize = 64;
@@ -33,6 +33,8 @@ pub(super) struct Patch {
     changes: Vec<Change>,
     neighbours: Vec<u32>,
     pub(super) builder: RingBuilder,
+    /// First wedge of each wedge set.
+    pub(super) set_starts: Vec<u32>,
     marks: Vec<u32>,
     epoch: u32,
 }
@@ -51,6 +53,7 @@ impl Default for Patch {
             changes: Vec::new(),
             neighbours: Vec::new(),
             builder: RingBuilder::default(),
+            set_starts: Vec::new(),
             marks: Vec::new(),
             epoch: 0,
         }
@@ -77,7 +80,8 @@ impl Simplifier {
             self.topology.refresh(v, &mut self.patch.builder);
         }
         let (a, b) = (&self.topology.vertices[from as usize], &self.topology.vertices[into as usize]);
-        if !self.polylines.is_empty() && !polyline_stays_open(&self.polylines, &self.topology, from, into) {
+        let (kind_from, kind_into) = (a.kind, b.kind);
+        if kind_from > VertexKind::Manifold && !polyline_stays_open(&self.polylines, &self.topology, from, into) {
             return Err(Refusal::Topology);
         }
         let weight = a.quadric().trace() + b.quadric().trace();
@@ -86,8 +90,10 @@ impl Simplifier {
         if error_squared > self.max_error_squared {
             return Err(Refusal::Error);
         }
-        let spliced =
-            a.form() == Form::Closed && b.form() == Form::Closed && a.ring_length() + b.ring_length() <= CAPACITY;
+        let spliced = a.form() == Form::Closed
+            && b.form() == Form::Closed
+            && a.ring_length() + b.ring_length() <= CAPACITY
+            && kind_from < VertexKind::Corner;
         let (old_from, old_into) = (a.position(), b.position());
         let quadric =
             if spliced { self.splice(from, into, placement)? } else { self.merge_any(from, into, placement)? };
@@ -96,8 +102,8 @@ impl Simplifier {
         vertex.packed.set_quadric(&quadric);
         vertex.packed.set_position(placement.position);
         vertex.error_squared = error_squared;
-        if !self.polylines.is_empty() {
-            self.update_polylines(from, into, old_from, old_into);
+        if kind_from > VertexKind::Manifold || kind_into > VertexKind::Manifold {
+            self.update_lines((from, old_from), (into, old_into));
         }
         Ok(())
     }
@@ -170,18 +176,60 @@ impl Simplifier {
     #[inline(never)]
     fn merge_any(&mut self, from: u32, into: u32, placement: Placement) -> Result<Quadric, Refusal> {
         let Self { topology, patch, .. } = self;
-        let Patch { corners_from, corners_into, changes, neighbours, builder, marks, epoch, merges, wedges, .. } =
-            &mut **patch;
+        let Patch {
+            corners_from,
+            corners_into,
+            changes,
+            neighbours,
+            builder,
+            marks,
+            epoch,
+            merges,
+            wedges,
+            set_starts,
+            ..
+        } = &mut **patch;
         corners_from.clear();
         corners_into.clear();
         topology.corners(from, corners_from);
         topology.corners(into, corners_into);
         marks.resize(topology.vertices.len(), 0);
-        legality::check_link(marks, epoch, (from, corners_from), (into, corners_into))?;
+        let kinds = [from, into].map(|v| topology.vertices[v as usize].kind);
+        let loose = self.last_resort && kinds.contains(&VertexKind::NonManifold);
+        if loose {
+            legality::check_soup((from, corners_from), (into, corners_into))?;
+        } else {
+            legality::check_link(marks, epoch, (from, corners_from), (into, corners_into))?;
+        }
+        merges.clear();
+        pair_wedges(merges, set_starts, (from, corners_from), (into, corners_into));
+        if kinds[0] >= VertexKind::Corner && kinds[0] != VertexKind::Locked {
+            // A seam that ends in `from` would have to go on in one of its sides.
+            let torn = |m: &(u32, u32)| merges.iter().any(|o| o.0 == m.0 && o.1 != m.1);
+            if merges.iter().any(torn) {
+                return Err(Refusal::Topology);
+            }
+        }
+        let mut all = std::mem::take(merges);
+        for merge in all.drain(..) {
+            if merges.iter().all(|m| m.0 != merge.0) {
+                merges.push(merge);
+            }
+        }
         changes.clear();
         for (v, other, corners) in [(from, into, &*corners_from), (into, from, &*corners_into)] {
             for &corner in corners.iter().filter(|c| c.next != other && c.previous != other) {
                 changes.push(Change { vertex: v, corner, difference: [Lanes::splat(0.0); 3] });
+            }
+        }
+        if kinds == [VertexKind::Corner; 2] {
+            // Two corners on borders, joined by a seam: what hangs together there alone stays whole.
+            corners_into.retain(|c| c.next != from && c.previous != from);
+            let stays = |c: &&Corner| c.next != into && c.previous != into;
+            corners_into.extend(corners_from.iter().filter(stays));
+            let form = builder.build(corners_into);
+            if form == Form::Parts {
+                return Err(Refusal::Topology);
             }
         }
         let quadric = look_any(topology, changes, placement.position)?;
@@ -189,22 +237,11 @@ impl Simplifier {
         // From here on the collapse is done.
         let at_from = topology.vertices[from as usize].position();
         let mut gone = 0;
-        merges.clear();
         for c in corners_from.iter().filter(|c| c.next == into || c.previous == into) {
             let third = if c.next == into { c.previous } else { c.next };
             let plane = Quadric::of_triangle(topology.area_vector(at_from, c.next, c.previous));
             topology.add(third, &(Quadric::default() - plane).packed());
             gone += 1;
-            let same = |o: &&Corner| {
-                let shared = o.next == from || o.previous == from;
-                shared && (o.next == third || o.previous == third)
-            };
-            if let Some(o) = corners_into.iter().find(same)
-                && o.wedge != c.wedge
-                && merges.iter().all(|m| m.0 != c.wedge)
-            {
-                merges.push((c.wedge, o.wedge));
-            }
         }
         neighbours.clear();
         for change in changes.iter_mut() {
@@ -228,7 +265,9 @@ impl Simplifier {
                 .map(|c| if c.next == into { c.previous } else { c.next }),
         );
         for &v in neighbours.iter() {
-            if third.contains(&v) {
+            if loose {
+                topology.rename_any(v, from, into, builder);
+            } else if third.contains(&v) {
                 topology.close_up(v, from, into, builder);
             } else {
                 topology.rename(v, from, into);
@@ -244,43 +283,36 @@ impl Simplifier {
         Ok(quadric)
     }
 
-    /// Takes `from` out of its polyline and moves the line quadrics of the neighbours along.
-    fn update_polylines(&mut self, from: u32, into: u32, old_from: Vec3, old_into: Vec3) {
-        let kind_of = |s: &Self, v: u32| s.topology.vertices[v as usize].kind;
-        let now = self.topology.vertices[into as usize].position();
-        if has_lines(kind_of(self, from)) {
-            let ends = self.polylines[from as usize];
-            let beyond = if ends[0] == into { ends[1] } else { ends[0] };
-            for (v, old, new) in [(into, from, beyond), (beyond, from, into)] {
-                if has_lines(kind_of(self, v)) {
-                    for end in &mut self.polylines[v as usize] {
-                        if *end == old {
-                            *end = new;
-                        }
-                    }
-                }
-            }
-            self.move_line(beyond, old_from, now);
-            if has_lines(kind_of(self, into)) {
-                for w in self.polylines[into as usize] {
-                    if w != beyond {
-                        self.move_line(w, old_into, now);
-                    }
-                }
+    /// Takes `from` out of its lines, and gives the vertices there the kinds that they are now.
+    fn update_lines(&mut self, from: (u32, Vec3), into: (u32, Vec3)) {
+        let Self { topology, polylines, patch, .. } = self;
+        let (was, is) = (topology.vertices[from.0 as usize].kind, &mut topology.vertices[into.0 as usize].kind);
+        *is = was.max(*is);
+        if was > VertexKind::Manifold {
+            patch.neighbours.clear();
+            polylines.merge(topology, from, into, &mut patch.neighbours);
+            for &v in [into.0].iter().chain(&patch.neighbours) {
+                let count = polylines.of(v).len();
+                let vertex = &mut topology.vertices[v as usize];
+                vertex.kind = kind_after(vertex.kind, vertex.form(), count);
             }
         }
-        let lines = line_quadric(&self.topology, &self.polylines, into).packed();
-        self.topology.add(into, &lines);
+        let lines = polylines.quadric(topology, into.0).packed();
+        topology.add(into.0, &lines);
     }
+}
 
-    /// The polyline neighbour of border or seam vertex `v` moved from `old` to `new`.
-    fn move_line(&mut self, v: u32, old: Vec3, new: Vec3) {
-        let vertex = &self.topology.vertices[v as usize];
-        if has_lines(vertex.kind) {
-            let at = vertex.position();
-            let change = Quadric::of_line(new - at, LINE_WEIGHT) - Quadric::of_line(old - at, LINE_WEIGHT);
-            self.topology.add(v, &change.packed());
-        }
+/// What a vertex is once it has `lines`, if it was `kind`: where seams have run together, a corner
+/// may be none any more, and where sheets have, the surface may be one.
+fn kind_after(kind: VertexKind, form: Form, lines: usize) -> VertexKind {
+    use VertexKind::{Border, Corner, Locked, Manifold, NonManifold, Seam};
+    match (kind, form, lines) {
+        (Locked | NonManifold, Form::Parts, _) | (Locked, ..) | (Manifold, ..) => kind,
+        (Corner | NonManifold, Form::Closed, 0) => Manifold,
+        (_, Form::Closed, 2) if kind != Border => Seam,
+        (_, Form::Open, 2) if kind != Seam => Border,
+        (Border | Seam, _, 2) => kind,
+        _ => Corner,
     }
 }
 
@@ -373,6 +405,28 @@ fn removed_planes(a: &Vec3, b: &Vec3, from: Vec3, into: Vec3) -> [[Lanes; 3]; 2]
     [plane((*a - into).cross(edge)), plane(edge.cross(*b - into))]
 }
 
+/// Which wedges of `from` merge into which of `into`: those of the triangles that vanish. Triangles
+/// on the same three vertices are told apart by their winding and their wedge sets.
+fn pair_wedges(
+    merges: &mut Vec<(u32, u32)>,
+    set_starts: &[u32],
+    (from, corners_from): (u32, &[Corner]),
+    (into, corners_into): (u32, &[Corner]),
+) {
+    let set = |wedge: u32| set_starts.partition_point(|&start| start <= wedge);
+    for c in corners_from.iter().filter(|c| c.next == into || c.previous == into) {
+        // The same triangle, seen from `into`.
+        let (next, previous) = if c.next == into { (c.previous, from) } else { (from, c.next) };
+        let same = |o: &&Corner| o.next == next && o.previous == previous && set(o.wedge) == set(c.wedge);
+        if let Some(o) = corners_into.iter().find(same)
+            && o.wedge != c.wedge
+            && !merges.contains(&(c.wedge, o.wedge))
+        {
+            merges.push((c.wedge, o.wedge));
+        }
+    }
+}
+
 /// As [`Patch::look`], for triangles in any order.
 fn look_any(topology: &Topology, changes: &mut [Change], position: Vec3) -> Result<Quadric, Refusal> {
     let mut sum = QuadricLanes::zero();
@@ -400,20 +454,14 @@ fn look_any(topology: &Topology, changes: &mut [Change], position: Vec3) -> Resu
     Ok(sum.sum())
 }
 
-fn has_lines(kind: VertexKind) -> bool {
-    matches!(kind, VertexKind::Border | VertexKind::Seam)
-}
-
 /// False if the collapse would close a border or seam loop onto itself.
-fn polyline_stays_open(polylines: &[Polyline], topology: &Topology, from: u32, into: u32) -> bool {
-    let lines = |v: u32| has_lines(topology.vertices[v as usize].kind);
-    if !lines(from) {
-        return true;
+fn polyline_stays_open(polylines: &Polylines, topology: &Topology, from: u32, into: u32) -> bool {
+    let kind = |v: u32| topology.vertices[v as usize].kind;
+    let (&[a, b], true) = (polylines.of(from), kind(from) < VertexKind::Corner) else { return true };
+    if a != into && b != into {
+        // A last resort.
+        return kind(into) == VertexKind::NonManifold;
     }
-    let ends = polylines[from as usize];
-    if !ends.contains(&into) {
-        return false;
-    }
-    let beyond = if ends[0] == into { ends[1] } else { ends[0] };
-    beyond != into && beyond != NONE && (!lines(into) || !polylines[into as usize].contains(&beyond))
+    let beyond = if a == into { b } else { a };
+    beyond != into && (kind(into) >= VertexKind::Corner || !polylines.of(into).contains(&beyond))
 }

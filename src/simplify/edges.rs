@@ -3,9 +3,10 @@
 use super::PlacementRule;
 use super::lanes::{Lanes, Lanes3, WIDTH};
 use super::placement::{self, Placement, Placements};
+use super::polylines::Polylines;
 use super::quadric::{Packed, QuadricLanes, Vec3};
 use super::topology::{Form, NONE, Topology};
-use super::vertex_kind::{self, Freedom, Polyline, VertexKind};
+use super::vertex_kind::{self, Freedom, VertexKind};
 
 /// The edges at one vertex, in parallel arrays padded to whole lanes.
 #[derive(Debug, Default)]
@@ -30,7 +31,14 @@ pub(super) struct Edge {
 impl Edges {
     /// Finds every edge at `v` that the kinds allow, at its best placement.
     #[inline(always)]
-    pub(super) fn gather(&mut self, topology: &Topology, polylines: &[Polyline], rule: PlacementRule, v: u32) {
+    pub(super) fn gather(
+        &mut self,
+        topology: &Topology,
+        polylines: &Polylines,
+        rule: PlacementRule,
+        last_resort: bool,
+        v: u32,
+    ) {
         self.listed.clear();
         self.placements.clear();
         self.vertex = v;
@@ -38,16 +46,24 @@ impl Edges {
         let ring = topology.ring(v);
         let free = rule == PlacementRule::Optimal
             && own.kind == VertexKind::Manifold
+            && own.form() != Form::Parts
             && ring.iter().all(|&w| topology.vertices[w as usize].kind == VertexKind::Manifold);
         if free {
             // The usual case, without a look at each pair of kinds.
             self.solve(topology, v, ring);
         } else {
-            self.gather_by_kind(topology, polylines, rule, v);
+            self.gather_by_kind(topology, polylines, rule, last_resort, v);
         }
     }
 
-    fn gather_by_kind(&mut self, topology: &Topology, polylines: &[Polyline], rule: PlacementRule, v: u32) {
+    fn gather_by_kind(
+        &mut self,
+        topology: &Topology,
+        polylines: &Polylines,
+        rule: PlacementRule,
+        last_resort: bool,
+        v: u32,
+    ) {
         let own = &topology.vertices[v as usize];
         let optimal = rule == PlacementRule::Optimal;
         let mut solved = std::mem::take(&mut self.solved);
@@ -59,10 +75,7 @@ impl Edges {
                 continue;
             }
             let other = &topology.vertices[w as usize];
-            let freedom = vertex_kind::freedom(own.kind, other.kind, || {
-                let (line, end) = if own.kind == VertexKind::Complex { (w, v) } else { (v, w) };
-                polylines[line as usize].contains(&end)
-            });
+            let freedom = vertex_kind::freedom(own.kind, other.kind, last_resort, || polylines.of(v).contains(&w));
             let at_own = || Placement {
                 position: own.position(),
                 cost: other.quadric().error_at(own.position() - other.position()),
@@ -73,6 +86,11 @@ impl Edges {
             };
             let (freedom, placement) = match freedom {
                 Freedom::Forbidden => continue,
+                Freedom::AtEither => {
+                    // Both, because one of them may be refused.
+                    self.push(w, Freedom::AtFirst, at_own());
+                    (Freedom::AtSecond, at_other())
+                }
                 Freedom::Anywhere if optimal => {
                     solved.push(w);
                     continue;

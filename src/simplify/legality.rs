@@ -78,6 +78,43 @@ pub(super) fn check_link(
     Ok(())
 }
 
+/// What is left of [`check_link`] at a vertex that no surface goes through: the merge makes no edge
+/// of more than two triangles that was none before, and puts no triangle upon another.
+pub(super) fn check_soup((u, corners_u): (u32, &[Corner]), (v, corners_v): (u32, &[Corner])) -> Result<(), Refusal> {
+    if corners_u.len() + corners_v.len() > MAX_FAN {
+        return Err(Refusal::Topology);
+    }
+    let stays = |c: &&Corner, end: u32| c.next != end && c.previous != end;
+    let pair = |c: &Corner| (c.next.min(c.previous), c.next.max(c.previous));
+    let mut pairs: Vec<(u32, u32)> = corners_u.iter().filter(|c| stays(c, v)).map(pair).collect();
+    pairs.sort_unstable();
+    let mut left = pairs.len();
+    // Triangles at each neighbour: by whether they are of `v` (2) and whether they stay (1).
+    let mut sides: Vec<(u32, u32)> = Vec::new();
+    for (corners, other, second) in [(corners_u, v, false), (corners_v, u, true)] {
+        for c in corners {
+            sides.extend([c.next, c.previous].map(|w| (w, 2 * u32::from(second) + u32::from(stays(&c, other)))));
+        }
+    }
+    for c in corners_v.iter().filter(|c| stays(c, u)) {
+        left += 1;
+        if pairs.binary_search(&pair(c)).is_ok() {
+            return Err(Refusal::Topology);
+        }
+    }
+    sides.sort_unstable();
+    let worse = |edge: &[(u32, u32)]| {
+        let after = edge.iter().filter(|s| s.1 & 1 != 0).count();
+        let second = edge.iter().filter(|s| s.1 & 2 != 0).count();
+        after > 2 && second <= 2 && edge.len() - second <= 2
+    };
+    let ends = [u, v];
+    if left == 0 || sides.chunk_by(|a, b| a.0 == b.0).any(|edge| !ends.contains(&edge[0].0) && worse(edge)) {
+        return Err(Refusal::Topology);
+    }
+    Ok(())
+}
+
 /// Where a triangle with area vector `old` may become one with area vector `new` and longest edge
 /// squared `longest_squared`. A triangle without a direction has none to keep.
 #[inline(always)]

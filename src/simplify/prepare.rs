@@ -4,12 +4,12 @@
 
 use std::ops::Range;
 
-use super::LINE_WEIGHT;
 use super::lanes::{Lanes, Lanes3, WIDTH, equal_bits};
+use super::polylines::Polylines;
 use super::quadric::{Quadric, QuadricLanes, Vec3, smaller};
 use super::space::Space;
 use super::topology::{Corner, Form, NONE, RingBuilder, Topology};
-use super::vertex_kind::{self, Polyline, VertexKind};
+use super::vertex_kind;
 use crate::mesh::Mesh;
 use crate::mesh::chart;
 use crate::mesh::weld::{self, NO_VERTEX, Weld};
@@ -31,6 +31,7 @@ pub(super) struct Preparation {
     starts: Vec<u32>,
     corners: Vec<Corner>,
     ring: RingBuilder,
+    lines: Vec<u32>,
 }
 
 /// What the weld finds that a run keeps.
@@ -157,11 +158,11 @@ impl Preparation {
         &mut self,
         range: Range<usize>,
         topology: &mut Topology,
-        polylines: &mut Vec<Polyline>,
+        polylines: &mut Polylines,
         keys: &mut [f32],
         lock_border: bool,
     ) {
-        let Self { triangles, wedges, groups, charts, fans, starts, corners, ring, .. } = self;
+        let Self { triangles, wedges, groups, charts, fans, starts, corners, ring, lines, .. } = self;
         let chart_at = |t: u32, v: u32| {
             let corner = triangles[t as usize].iter().position(|&x| x == v).unwrap_or(0);
             charts[wedges[t as usize][corner] as usize]
@@ -197,11 +198,12 @@ impl Preparation {
             }
             let form = ring.build(corners);
             topology.replace_ring(v, form, &ring.ring, &ring.wedges);
-            let (kind, polyline) = vertex_kind::classify(form, ring, lock_border, |i, j, w| {
+            let is_seam = |i: u32, j: u32, w: u32| {
                 let (a, b) = (fan[i as usize], fan[j as usize]);
                 (!groups.is_empty() && groups[a as usize] != groups[b as usize])
                     || (!wedges.is_empty() && (chart_at(a, v) != chart_at(b, v) || chart_at(a, w) != chart_at(b, w)))
-            });
+            };
+            let kind = vertex_kind::classify(form, ring, corners, lock_border, is_seam, lines);
             topology.vertices[v as usize].kind = kind;
             let own = topology.vertices[v as usize].position();
             let around = if ring.ring.len() <= NEAR { Some(Around::of(topology, own, &ring.ring)) } else { None };
@@ -211,12 +213,9 @@ impl Preparation {
                 let plane = |c: &Corner| Quadric::of_triangle(topology.area_vector(own, c.next, c.previous));
                 corners.iter().map(plane).fold(Quadric::default(), |sum, plane| sum + plane)
             };
-            if matches!(kind, VertexKind::Border | VertexKind::Seam) {
-                if polylines.is_empty() {
-                    polylines.resize(topology.vertices.len(), [NONE; 2]);
-                }
-                polylines[v as usize] = polyline;
-                quadric += line_quadric(topology, polylines, v);
+            if !lines.is_empty() {
+                polylines.set(v, lines, topology.vertices.len());
+                quadric += polylines.quadric(topology, v);
             }
             topology.vertices[v as usize].packed.set_quadric(&quadric);
             if let (true, Some(around)) = (form != Form::Parts, &around) {
@@ -371,17 +370,4 @@ impl Around {
         }
         keys[v as usize] = least;
     }
-}
-
-/// The quadric of the two polyline edges of a border or seam vertex, 0 for others.
-pub(super) fn line_quadric(topology: &Topology, polylines: &[Polyline], v: u32) -> Quadric {
-    let vertex = &topology.vertices[v as usize];
-    let mut sum = Quadric::default();
-    if matches!(vertex.kind, VertexKind::Border | VertexKind::Seam) {
-        for w in polylines[v as usize] {
-            let edge = topology.vertices[w as usize].position() - vertex.position();
-            sum += Quadric::of_line(edge, LINE_WEIGHT);
-        }
-    }
-    sum
 }

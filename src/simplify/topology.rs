@@ -306,6 +306,14 @@ impl Topology {
         }
     }
 
+    /// In the ring of `v`, which may have both, `from` is `into` from now on; triangles of the three
+    /// are gone.
+    pub(super) fn rename_any(&mut self, v: u32, from: u32, into: u32, builder: &mut RingBuilder) {
+        if self.vertices[v as usize].block < HUB_BLOCK {
+            self.rebuild(v, builder, |w| if w == from { into } else { w });
+        }
+    }
+
     /// Brings the ring of a hub up to date.
     #[inline(always)]
     pub(super) fn refresh(&mut self, v: u32, builder: &mut RingBuilder) {

@@ -70,19 +70,16 @@ fn a_few_doubled_faces_do_not_hold_the_rest() {
 }
 
 #[test]
-#[ignore = "vertices of doubled faces never merge: 226 of 1,632 triangles are left where 163 are asked for"]
 fn a_few_doubled_faces_do_not_stop_the_run() {
     check_down_to("32 faces twice", &torus_with(|t| t.iter().step_by(50).copied().collect()), 0.1);
 }
 
 #[test]
-#[ignore = "vertices of doubled faces never merge: all 3,200 triangles are left"]
 fn a_surface_that_is_there_twice_does_not_stop_the_run() {
     check_down_to("every face twice", &torus_with(<[_]>::to_vec), 0.1);
 }
 
 #[test]
-#[ignore = "vertices of doubled faces never merge: all 3,200 triangles are left"]
 fn a_surface_with_a_back_side_does_not_stop_the_run() {
     check_down_to("both sides", &torus_with(|t| t.iter().map(|&[a, b, c]| [a, c, b]).collect()), 0.1);
 }
@@ -117,7 +114,6 @@ fn faces_without_area_do_not_stop_the_run() {
 }
 
 #[test]
-#[ignore = "vertices between triangles turned apart never merge: 1,548 of 1,600 triangles are left"]
 fn triangles_turned_the_wrong_way_do_not_stop_the_run() {
     let sound = torus(40, 20, 0.02);
     let mut noise = Noise(21);
