@@ -87,7 +87,8 @@ impl Rest {
         let range = if is_float && self.values[..count].iter().all(|&value| value <= 1.0) { 1.0 } else { 255.0 };
         let mut color = [1.0; 4];
         for (channel, value) in color.iter_mut().zip(&self.values[..count]) {
-            *channel = value / range;
+            // Nothing is brighter than white: a colour out of range would be read otherwise when written.
+            *channel = (value / range).clamp(0.0, 1.0);
         }
         (color, is_float, count)
     }
