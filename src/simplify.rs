@@ -309,6 +309,7 @@ impl Simplifier {
             // Nothing is welded yet: a history without an entry, over the mesh as it is stored.
             self.vertex_of_wedge = (0..mesh.positions.len() as u32).collect();
             self.initial_triangle_count = mesh.triangles.len();
+            self.record = Record::new(self.initial_triangle_count, 0, 0, false);
         }
         if self.stage < Stage::Fit {
             self.stop_reason = StopReason::Time;

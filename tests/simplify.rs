@@ -237,3 +237,23 @@ fn the_result_is_the_one_that_the_browser_test_expects() {
     let level = lod::extract(&mesh, &sequence, Level::Triangles(100));
     assert_eq!(support::fingerprint(&level.mesh), support::BUMPY_PLATE_AT_100);
 }
+
+#[test]
+fn a_run_stopped_at_any_step_gives_a_sound_mesh_with_what_was_done() {
+    let mesh = support::torus(48, 24, 0.05);
+    let mut counts = Vec::new();
+    for steps in 0..40 {
+        let mut run = Simplifier::new(&mesh, &to(100)).unwrap();
+        for _ in 0..steps {
+            run.step(&mesh, 200);
+        }
+        run.stop(&mesh);
+        let sequence = run.finish();
+        let result = lod::extract(&mesh, &sequence, Level::Triangles(0)).mesh;
+        result.validate().unwrap();
+        counts.push(result.triangles.len());
+    }
+    assert_eq!(counts[0], mesh.triangles.len(), "nothing done, nothing lost");
+    assert!(counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
+    assert!(counts[39] <= 100, "{counts:?}");
+}
