@@ -83,6 +83,9 @@ struct Tuning {
     fit_rounds: usize,
     /// Samples for each triangle that is left.
     fit_samples: usize,
+    /// A vertex whose triangles are farther from a sample than the root of so many times the mean squared
+    /// distance stays where it is: what the sweep left there is better for the maximum.
+    fit_hold: f32,
     /// No fit if there are fewer than this many original triangles for each that is left.
     fit_above: usize,
 }
@@ -90,9 +93,9 @@ struct Tuning {
 impl Preset {
     fn tuning(self) -> Tuning {
         match self {
-            Self::Fast => Tuning { octaves: 4, fit_rounds: 0, fit_samples: 0, fit_above: 1 },
-            Self::Balanced => Tuning { octaves: 3, fit_rounds: 1, fit_samples: 8, fit_above: 3 },
-            Self::Best => Tuning { octaves: 1, fit_rounds: 3, fit_samples: 24, fit_above: 1 },
+            Self::Fast => Tuning { octaves: 4, fit_rounds: 0, fit_samples: 0, fit_hold: 0.0, fit_above: 1 },
+            Self::Balanced => Tuning { octaves: 3, fit_rounds: 1, fit_samples: 12, fit_hold: 10.0, fit_above: 3 },
+            Self::Best => Tuning { octaves: 1, fit_rounds: 3, fit_samples: 24, fit_hold: f32::INFINITY, fit_above: 1 },
         }
     }
 }
@@ -434,7 +437,7 @@ impl Simplifier {
         let tuning = self.tuning();
         let dense = self.topology.live_triangle_count * tuning.fit_above > self.initial_triangle_count;
         if self.fits() && !dense && self.topology.live_triangle_count < self.initial_triangle_count {
-            self.fit = Some(self.begin_fit(mesh, tuning.fit_rounds, tuning.fit_samples));
+            self.fit = Some(self.begin_fit(mesh, tuning));
             self.stage = Stage::Fit;
         } else {
             self.stage = Stage::Done;

@@ -9,13 +9,13 @@
 //! the sum majorises the true one (the square of a mean is at most the mean of the squares), so that
 //! no step makes the sum of squares larger.
 
-use super::Simplifier;
 use super::lanes::{Lanes, Lanes3};
 use super::legality;
 use super::prepare::{Around, NEAR};
 use super::quadric::{Quadric, Vec3, larger};
 use super::topology::{Corner, Form, Topology};
 use super::vertex_kind::VertexKind;
+use super::{Simplifier, Tuning};
 use crate::mesh::Mesh;
 use crate::mesh::weld::NO_VERTEX;
 
@@ -38,6 +38,9 @@ const STEP: f32 = 0.11;
 
 /// Longest ring that is searched: each of its many samples would search all of it.
 const MAX_RING: usize = 64;
+
+/// Stiffness of a vertex that is held, in engine units.
+const HELD: f32 = 1e20;
 
 /// Share of the trace that is added to the diagonal.
 const REGULARISATION: f32 = 0.02;
@@ -75,6 +78,10 @@ pub(super) struct Fit {
     owners: Vec<u32>,
     /// Squared distance at which a sample pulls half as much.
     scale_squared: f32,
+    /// Squared distance at which a sample holds the vertices of its triangle where they are.
+    hold_squared: f32,
+    /// The same in mean squared distances.
+    hold: f32,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -98,17 +105,27 @@ impl Fit {
 }
 
 impl Simplifier {
-    /// A fit of `rounds` rounds to at most `per_triangle` samples for each triangle that is left.
-    pub(super) fn begin_fit(&mut self, mesh: &Mesh, rounds: usize, per_triangle: usize) -> Fit {
+    /// A fit of the tuning's rounds to at most its number of samples for each triangle that is left.
+    pub(super) fn begin_fit(&mut self, mesh: &Mesh, tuning: Tuning) -> Fit {
         let owners = self.topology.settle(&mut self.patch.builder).to_vec();
         let mut vertex_of_wedge = vec![NO_VERTEX; mesh.positions.len()];
         for (&wedge, v) in self.wedge_of_vertex.iter().zip(0..) {
             vertex_of_wedge[wedge as usize] = v;
         }
-        let wanted = self.topology.live_triangle_count.saturating_mul(per_triangle).max(1);
+        let wanted = self.topology.live_triangle_count.saturating_mul(tuning.fit_samples).max(1);
         let stride = mesh.triangles.len().div_ceil(wanted).max(1);
         let samples = Vec::with_capacity(mesh.triangles.len().div_ceil(stride));
-        Fit { rounds, stride, phase: Phase::Sample(0), samples, vertex_of_wedge, owners, scale_squared: f32::MAX }
+        Fit {
+            rounds: tuning.fit_rounds,
+            stride,
+            phase: Phase::Sample(0),
+            samples,
+            vertex_of_wedge,
+            owners,
+            scale_squared: f32::MAX,
+            hold_squared: f32::MAX,
+            hold: tuning.fit_hold,
+        }
     }
 
     /// Does about `work` units of the fit; true when it is done.
@@ -128,6 +145,7 @@ impl Simplifier {
             Phase::Scale => {
                 (fit.vertex_of_wedge, fit.owners) = (Vec::new(), Vec::new());
                 fit.scale_squared = self.scale_squared(&fit.samples);
+                fit.hold_squared = fit.scale_squared / OUTLIER * fit.hold;
                 fit.phase = Phase::Clear(0);
             }
             Phase::Clear(first) => {
@@ -141,7 +159,7 @@ impl Simplifier {
                 let range = part(first, fit.samples.len());
                 fit.phase = if range.end == fit.samples.len() { Phase::Move(0) } else { Phase::Pull(range.end) };
                 for sample in &mut fit.samples[range] {
-                    sample.owner = pull(&mut self.topology, sample, fit.scale_squared);
+                    sample.owner = pull(&mut self.topology, sample, fit.scale_squared, fit.hold_squared);
                 }
             }
             Phase::Move(first) => {
@@ -246,7 +264,7 @@ fn stays_upright(topology: &Topology, v: u32, old: Vec3, new: Vec3) -> bool {
 
 /// Finds the nearest triangle to `sample` from `owner` on, and adds the pull of the sample to its
 /// vertices. Returns the vertex whose triangle it is.
-fn pull(topology: &mut Topology, sample: &Sample, scale_squared: f32) -> u32 {
+fn pull(topology: &mut Topology, sample: &Sample, scale_squared: f32, hold_squared: f32) -> u32 {
     let Some((corner, nearest)) = nearest_to(topology, sample) else { return sample.owner };
     let distance = nearest.squared.sqrt();
     let outlier = nearest.squared / scale_squared;
@@ -259,7 +277,12 @@ fn pull(topology: &mut Topology, sample: &Sample, scale_squared: f32) -> u32 {
         let length = n.length_squared().sqrt();
         if length > 0.0 { n * (1.0 / length) } else { Vec3::ZERO }
     };
-    let plane = Quadric::of_triangle(direction);
+    let mut plane = Quadric::of_triangle(direction);
+    if nearest.squared > hold_squared {
+        for diagonal in [&mut plane.xx, &mut plane.yy, &mut plane.zz] {
+            *diagonal += HELD;
+        }
+    }
     for (v, share) in [corner.wedge, corner.next, corner.previous].into_iter().zip(nearest.weights) {
         let share = share * weight;
         let scaled = Quadric {
