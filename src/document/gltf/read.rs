@@ -1,10 +1,10 @@
 //! From checked accessors to a [`Mesh`]: every triangle primitive becomes a group.
 
-use ::gltf::json::accessor::{ComponentType, Type};
 use serde_json::Value;
 
 use super::accessor::{Data, Elements};
 use super::json::{extension, index as as_index, items, members, uint};
+use super::layout::{Component, Shape};
 use super::schema::DRACO_EXTENSION;
 use super::unique::Unique;
 use super::{PrimitiveSource, SetSource, attributes};
@@ -136,9 +136,9 @@ impl<'a> Reader<'a, '_> {
         let elements = Elements::open(self.data, accessor)?;
         let layout = elements.layout;
         let restart = match (layout.shape, layout.component) {
-            (Type::Scalar, ComponentType::U8) => u32::from(u8::MAX),
-            (Type::Scalar, ComponentType::U16) => u32::from(u16::MAX),
-            (Type::Scalar, ComponentType::U32) => u32::MAX,
+            (Shape::Scalar, Component::U8) => u32::from(u8::MAX),
+            (Shape::Scalar, Component::U16) => u32::from(u16::MAX),
+            (Shape::Scalar, Component::U32) => u32::MAX,
             _ => {
                 return Err(Error::new(ErrorCode::Syntax, place, "indices must be unsigned integers"));
             }
@@ -244,7 +244,7 @@ impl<'a> Reader<'a, '_> {
                 return Err(Error::new(ErrorCode::Syntax, source.place_of(k), message));
             }
             // An f32 holds every integer only up to 2^24.
-            if column.layout.component == ComponentType::U32 {
+            if column.layout.component == Component::U32 {
                 let message = "32-bit integers are not allowed as vertex attributes";
                 return Err(Error::new(ErrorCode::Unsupported, source.place_of(k), message));
             }

@@ -6,9 +6,9 @@
 
 use serde_json::{Value, json};
 
-use super::accessor::Layout;
 use super::column::{Column, Content};
 use super::json::{items, items_mut, remove, remove_extension, text, uint};
+use super::layout::Layout;
 use super::schema::{DRACO_EXTENSION, MESHOPT_EXTENSIONS};
 use super::{GltfSource, SetSource, container, json as tree_json, pack, usage};
 use crate::document::lookup::image_type;
