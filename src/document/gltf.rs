@@ -15,6 +15,7 @@ mod json;
 mod layout;
 mod materials;
 mod new;
+mod order;
 mod pack;
 mod read;
 mod resource;

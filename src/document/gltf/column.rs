@@ -1,6 +1,6 @@
 //! A column of the output: the elements of one accessor, and how each is stored.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::layout::{Component, Layout};
 
@@ -146,7 +146,7 @@ fn put<const N: usize>(out: &mut [u8], bytes: [u8; N]) {
 /// `min` and `max` for an accessor: whole numbers for integers, the exact f32 otherwise.
 pub(super) fn bounds_to_json(layout: Layout, bounds: &[(f64, f64)]) -> (Value, Value) {
     let number = |value: f64| {
-        if layout.component == Component::F32 { json!(value) } else { json!(value as i64) }
+        if layout.component == Component::F32 { Value::from(value) } else { Value::from(value as i64) }
     };
     let list = |pick: fn(&(f64, f64)) -> f64| bounds.iter().map(|pair| number(pick(pair))).collect();
     (list(|pair| pair.0), list(|pair| pair.1))

@@ -1,4 +1,7 @@
 //! A value of the JSON tree together with its path, so that every check can say where it failed.
+//!
+//! `inline(never)` throughout: reading the JSON's fields takes no time that counts, and its code is
+//! downloaded by everybody.
 
 use serde_json::Value;
 
@@ -26,6 +29,7 @@ impl<'v, 'p> Spot<'v, 'p> {
     }
 
     /// `meshes[0].primitives[1].mode`
+    #[inline(never)]
     pub(super) fn path(&self) -> String {
         let Some(parent) = self.parent else {
             return String::new();
@@ -45,19 +49,26 @@ impl<'v, 'p> Spot<'v, 'p> {
 
     /// The error of this place; the message begins with its name.
     pub(super) fn fail<T>(&self, code: ErrorCode, reason: &str) -> Result<T, Error> {
+        Err(self.error(code, reason))
+    }
+
+    #[inline(never)]
+    fn error(&self, code: ErrorCode, reason: &str) -> Error {
         let path = self.path();
         let name = path.rsplit('.').next().unwrap_or_default();
         let message = format!("{name} {reason}");
-        Err(Error::new(code, path, message))
+        Error::new(code, path, message)
     }
 
     /// The member under `key`; absent and `null` are the same.
+    #[inline(never)]
     pub(super) fn field<'c>(&'c self, key: &'c str) -> Option<Spot<'v, 'c>> {
         let value = self.value.get(key).filter(|value| !value.is_null())?;
         Some(Spot { value, step: Step::Key(key), parent: Some(self) })
     }
 
     /// The member under `key`, which has to be there.
+    #[inline(never)]
     pub(super) fn required<'c>(&'c self, key: &'c str) -> Result<Spot<'v, 'c>, Error> {
         match self.field(key) {
             Some(field) => Ok(field),
@@ -67,6 +78,7 @@ impl<'v, 'p> Spot<'v, 'p> {
     }
 
     /// An object.
+    #[inline(never)]
     pub(super) fn check_object(&self) -> Result<(), Error> {
         if self.value.is_object() { Ok(()) } else { self.fail(ErrorCode::Syntax, "must be an object") }
     }
@@ -90,6 +102,7 @@ impl<'v, 'p> Spot<'v, 'p> {
     }
 
     /// A whole number of at least 0; JSON may write it with a decimal point.
+    #[inline(never)]
     pub(super) fn whole(&self) -> Result<u64, Error> {
         if let Some(number) = self.value.as_u64() {
             return Ok(number);
@@ -104,6 +117,7 @@ impl<'v, 'p> Spot<'v, 'p> {
     }
 
     /// A whole number that memory can hold.
+    #[inline(never)]
     pub(super) fn size(&self) -> Result<usize, Error> {
         match usize::try_from(self.whole()?) {
             Ok(size) => Ok(size),
@@ -112,6 +126,7 @@ impl<'v, 'p> Spot<'v, 'p> {
     }
 
     /// The number of one of `count` elements of the array `list`.
+    #[inline(never)]
     pub(super) fn index_of(&self, list: &str, count: usize) -> Result<usize, Error> {
         let index = self.whole()?;
         match usize::try_from(index) {
