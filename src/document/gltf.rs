@@ -143,6 +143,7 @@ fn read_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<Glt
     };
     let images = find_images(&tree, &files, main, &mut warnings);
     carried::warn_of_dangling(&tree, &mut warnings);
+    carried::warn_of_implicit_ids(&tree, &mut warnings);
     warn_of_lost_extensions(&tree, &mut warnings);
     Ok(GltfSource {
         format,

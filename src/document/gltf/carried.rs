@@ -1,4 +1,4 @@
-//! The part of the tree that is only carried through: what refers to nothing there is told.
+//! The part of the tree that is only carried through: what is wrong there, or becomes so, is told.
 
 use serde_json::Value;
 
@@ -38,6 +38,21 @@ pub(super) fn warn_of_dangling(tree: &Value, warnings: &mut Vec<Warning>) {
                 format!("refers to one of {count} {list} that does not exist{others}; carried through unchanged");
             warnings.push(Warning { code: "schema", message, place });
         }
+    }
+}
+
+/// One warning for the first feature ids that are the numbers of the vertices, which change.
+pub(super) fn warn_of_implicit_ids(tree: &Value, warnings: &mut Vec<Warning>) {
+    let way = ["meshes", "*", "primitives", "*", "extensions", "EXT_mesh_features", "featureIds", "*"];
+    let mut first = None;
+    visit(tree, &way, &mut String::new(), &mut |place, ids| {
+        if first.is_none() && ids.get("attribute").is_none() && ids.get("texture").is_none() {
+            first = Some(place.to_owned());
+        }
+    });
+    if let Some(place) = first {
+        let message = "the feature ids are the numbers of the vertices, which change; they are not kept".to_owned();
+        warnings.push(Warning { code: "implicit-feature-ids", message, place });
     }
 }
 

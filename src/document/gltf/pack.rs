@@ -70,21 +70,33 @@ pub(super) fn pack(
     binary
 }
 
-/// One buffer, which keeps what else the first one said.
+/// What a buffer holds whose content went into the first: one byte, for there may not be none.
+const PLACEHOLDER: &str = "data:application/octet-stream;base64,AA==";
+
+/// All content in the first buffer. Every buffer keeps what else it says (name, extras, extensions); the last ones that
+/// say nothing are left out.
 pub(super) fn set_buffer(tree: &mut Value, length: usize) {
     if length == 0 {
         remove(tree, "buffers");
         return;
     }
     let buffers = array(tree, "buffers");
-    buffers.truncate(1);
+    for buffer in buffers.iter_mut() {
+        remove(buffer, "uri");
+        remove(buffer, "byteLength");
+        MESHOPT_EXTENSIONS.iter().for_each(|name| remove_extension(buffer, name));
+    }
+    let speaks = |buffer: &Value| buffer.as_object().is_some_and(|buffer| !buffer.is_empty());
+    buffers.truncate(buffers.iter().rposition(speaks).map_or(0, |last| last + 1));
     if buffers.is_empty() {
         buffers.push(object(Vec::new()));
     }
-    let buffer = &mut buffers[0];
-    remove(buffer, "uri");
-    MESHOPT_EXTENSIONS.iter().for_each(|name| remove_extension(buffer, name));
-    buffer["byteLength"] = length.into();
+    for (b, buffer) in buffers.iter_mut().enumerate() {
+        if b > 0 {
+            buffer["uri"] = PLACEHOLDER.into();
+        }
+        buffer["byteLength"] = if b == 0 { length } else { 1 }.into();
+    }
 }
 
 fn make_blocks(tree: &Value, columns: &[Column<'_>], free_views: &[bool]) -> Vec<Block> {
