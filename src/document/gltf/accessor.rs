@@ -7,9 +7,10 @@ use super::schema::{MESHOPT_EXTENSIONS, Root};
 use crate::document::NamedFile;
 use crate::error::{Error, ErrorCode};
 
-/// Elements that a file may claim without a byte behind them, so that 100 bytes cannot ask for
-/// gigabytes.
-const MOST_ZEROS: usize = 1 << 24;
+/// Elements that a file of no size may claim without a byte behind them; each byte of the files
+/// allows one more. So 100 bytes cannot ask for gigabytes, and a zero morph target of a real mesh
+/// is always allowed, for its mesh has bytes.
+const MOST_ZEROS: usize = 1 << 16;
 
 /// The file as its accessors see it.
 #[derive(Clone, Copy)]
@@ -18,6 +19,13 @@ pub(super) struct Data<'a> {
     pub(super) tree: &'a serde_json::Value,
     pub(super) buffers: &'a [Content],
     pub(super) files: &'a [NamedFile],
+}
+
+impl Data<'_> {
+    /// Bytes of all files.
+    pub(super) fn byte_count(self) -> usize {
+        self.files.iter().map(|file| file.bytes.len()).sum()
+    }
 }
 
 /// The elements of one accessor, ready to be read without further checks.
@@ -59,8 +67,9 @@ impl<'a> Elements<'a> {
         if count == 0 {
             return fail(ErrorCode::Syntax, "count", "an accessor has at least one element".into());
         }
-        if accessor.view.is_none() && count > MOST_ZEROS {
-            let message = format!("{count} elements of zeros without a buffer view; at most {MOST_ZEROS} are read");
+        let most_zeros = MOST_ZEROS.saturating_add(data.byte_count());
+        if accessor.view.is_none() && count > most_zeros {
+            let message = format!("{count} elements of zeros without a buffer view; at most {most_zeros} are read");
             return fail(ErrorCode::TooLarge, "count", message);
         }
         let (mut bytes, mut stride) = (None, layout.byte_size());

@@ -14,6 +14,11 @@ use crate::mesh::{Attribute, Group, Mesh, Part, WedgeSet};
 /// Numbers in a mesh (positions, attributes, indices), together 2 GiB: what a 4 GiB wasm memory
 /// can hold besides the file.
 const MOST_NUMBERS: usize = 1 << 29;
+/// Primitives may share their data, so a mesh may be larger than its file, but not without bound: this
+/// many numbers, and so many more for each byte. An unshared byte gives three at most (a strip of 8-bit
+/// indices), and one of a usual file a quarter.
+const MOST_NUMBERS_OF_NOTHING: usize = 1 << 22;
+const MOST_NUMBERS_PER_BYTE: usize = 16;
 
 /// The mesh and, for the writer, where each of its parts came from.
 pub(super) struct Geometry {
@@ -86,6 +91,11 @@ impl<'a> Reader<'a, '_> {
         self.numbers = self.numbers.saturating_add(numbers);
         if self.numbers > MOST_NUMBERS {
             return Err(Error::new(ErrorCode::TooLarge, place, "the geometry does not fit into 2 GiB of memory"));
+        }
+        let bytes = self.data.byte_count();
+        if self.numbers > MOST_NUMBERS_OF_NOTHING.saturating_add(bytes.saturating_mul(MOST_NUMBERS_PER_BYTE)) {
+            let message = format!("{} numbers from {bytes} bytes: the geometry is shared too often", self.numbers);
+            return Err(Error::new(ErrorCode::TooLarge, place, message));
         }
         Ok(())
     }
