@@ -8,10 +8,14 @@
     reason = "helpers of tests may stop at the first surprise, too"
 )]
 
+#[path = "gltf/forms.rs"]
+mod forms;
 #[path = "gltf/malformed.rs"]
 mod malformed;
 #[path = "gltf/reading.rs"]
 mod reading;
+#[path = "gltf/round_trip.rs"]
+mod round_trip;
 #[path = "gltf/whole_files.rs"]
 mod whole_files;
 #[path = "gltf/writing.rs"]

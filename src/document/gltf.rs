@@ -1,23 +1,27 @@
 //! glTF 2.0: reads the triangles, writes by editing the JSON tree that was read.
 //!
 //! The tree is never rebuilt, so what is not understood here survives: materials, extensions,
-//! extras, names, order. [`container`] takes GLB files apart, [`schema`] checks the JSON with the
-//! `gltf` crate, [`accessor`] decodes, [`read`] makes the mesh; [`write()`] puts a mesh back, with
+//! extras, names, order. [`container`] takes GLB files apart, [`schema`] reads and checks what
+//! the geometry needs of the JSON ([`spot`] knows the paths), [`accessor`] decodes, [`read`] makes the mesh; [`write()`] puts a mesh back, with
 //! [`usage`] to know what else needs a buffer view and [`pack`] to lay out the binary chunk.
 //! [`new`] makes a tree for a mesh that came from another format.
 
 mod accessor;
 mod attributes;
+mod carried;
 mod column;
 mod container;
 mod json;
+mod layout;
 mod materials;
 mod new;
+mod order;
 mod pack;
 mod read;
 mod resource;
 mod scene;
 mod schema;
+mod spot;
 mod unique;
 mod usage;
 mod write;
@@ -120,11 +124,11 @@ fn read_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<Glt
         }
         _ => (bytes, None),
     };
-    let (tree, root) = schema::parse(json, &mut warnings)?;
+    let (tree, root) = schema::parse(json)?;
     let buffers = resource::load_buffers(&tree, &files, main, binary.as_ref())?;
     let data = Data { root: &root, tree: &tree, buffers: &buffers, files: &files };
     // Also those that no triangle needs: they are carried over to the output.
-    for view in 0..root.buffer_views.len() {
+    for view in 0..root.views.len() {
         view_bytes(data, view)?;
     }
     let appearances = scene::appearances(data)?;
@@ -138,6 +142,8 @@ fn read_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<Glt
         ..SceneLayout::default()
     };
     let images = find_images(&tree, &files, main, &mut warnings);
+    carried::warn_of_dangling(&tree, &mut warnings);
+    carried::warn_of_implicit_ids(&tree, &mut warnings);
     warn_of_lost_extensions(&tree, &mut warnings);
     Ok(GltfSource {
         format,

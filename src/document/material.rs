@@ -80,7 +80,8 @@ impl Materials {
 #[derive(Debug)]
 pub(super) struct Images<'a> {
     files: &'a [NamedFile],
-    found: BTreeMap<usize, usize>,
+    /// The number of the image that each file is, if it is one.
+    found: Vec<Option<usize>>,
     asked: BTreeMap<String, Option<usize>>,
     pub(super) images: Vec<NamedFile>,
     pub(super) warnings: Vec<Warning>,
@@ -92,7 +93,7 @@ const MOST_WARNINGS: usize = 20;
 impl<'a> Images<'a> {
     pub(super) fn new(files: &'a [NamedFile]) -> Self {
         let (images, warnings) = (Vec::new(), Vec::new());
-        Self { files, found: BTreeMap::new(), asked: BTreeMap::new(), images, warnings }
+        Self { files, found: vec![None; files.len()], asked: BTreeMap::new(), images, warnings }
     }
 
     /// The number of the image that `files[by]` calls `name`; a warning if it cannot be had.
@@ -121,7 +122,7 @@ impl<'a> Images<'a> {
             return None;
         }
         let images = &mut self.images;
-        Some(*self.found.entry(file).or_insert_with(|| {
+        Some(*self.found[file].get_or_insert_with(|| {
             images.push(self.files[file].clone());
             images.len() - 1
         }))

@@ -71,7 +71,7 @@ fn bad_json() {
     let error = open(r#"{"asset":{"version":"2.0"},"nodes":[{},{"mesh": nope}]}"#);
     assert_eq!((error.code(), error.place()), (ErrorCode::Syntax, "m.gltf: nodes[1].mesh (line 1 column 50)"));
     let error = open(r#"{"asset":{"version":"2.0"},"meshes":[{"primitives":7}]}"#);
-    assert_eq!((error.code(), error.place()), (ErrorCode::Syntax, "m.gltf: meshes[0].primitives (line 1 column 52)"));
+    assert_eq!((error.code(), error.place()), (ErrorCode::Syntax, "m.gltf: meshes[0].primitives"));
     assert_eq!(open(r#"{"asset":{"version":"2.0""#).code(), ErrorCode::Truncated);
     assert_eq!(open(r#"{"meshes":{}}"#).code(), ErrorCode::Unsupported);
     assert_eq!(open(r#"{"asset":{"version":"1.0"}}"#).code(), ErrorCode::Unsupported);

@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::*;
 
-fn models_under(folder: &Path) -> Vec<PathBuf> {
+pub(crate) fn models_under(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {

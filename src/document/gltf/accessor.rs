@@ -1,20 +1,16 @@
 //! Accessors: typed elements in a buffer, every offset checked before the first is read.
-//!
-//! The `gltf` crate's own iterators trust the file's offsets and may panic, so they are not used.
-
-use ::gltf::json::Root;
-use ::gltf::json::accessor::{ComponentType, Type};
-use ::gltf::json::validation::Checked;
 
 use super::json::{extension, items};
+use super::layout::{Component, Layout, Shape};
 use super::resource::Content;
-use super::schema::MESHOPT_EXTENSIONS;
+use super::schema::{MESHOPT_EXTENSIONS, Root};
 use crate::document::NamedFile;
 use crate::error::{Error, ErrorCode};
 
-/// Elements that a file may claim without a byte behind them, so that 100 bytes cannot ask for
-/// gigabytes.
-const MOST_ZEROS: usize = 1 << 24;
+/// Elements that a file of no size may claim without a byte behind them; each byte of the files
+/// allows one more. So 100 bytes cannot ask for gigabytes, and a zero morph target of a real mesh
+/// is always allowed, for its mesh has bytes.
+const MOST_ZEROS: usize = 1 << 16;
 
 /// The file as its accessors see it.
 #[derive(Clone, Copy)]
@@ -25,61 +21,10 @@ pub(super) struct Data<'a> {
     pub(super) files: &'a [NamedFile],
 }
 
-/// How the numbers of one element are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Layout {
-    pub(super) component: ComponentType,
-    pub(super) shape: Type,
-    pub(super) normalized: bool,
-}
-
-impl Layout {
-    /// Numbers per element, 1 to 16.
-    pub(super) fn components(self) -> usize {
-        self.shape.multiplicity()
-    }
-
-    /// Bytes of one element, without padding after it.
-    pub(super) fn byte_size(self) -> usize {
-        let (columns, rows) = self.grid();
-        (columns - 1) * self.column_stride() + rows * self.component.size()
-    }
-
-    /// Bytes from the start of the element to one of its numbers: matrix columns start at
-    /// multiples of four.
-    pub(super) fn offset(self, component: usize) -> usize {
-        let (_, rows) = self.grid();
-        component / rows * self.column_stride() + component % rows * self.component.size()
-    }
-
-    fn grid(self) -> (usize, usize) {
-        match self.shape {
-            Type::Mat2 => (2, 2),
-            Type::Mat3 => (3, 3),
-            Type::Mat4 => (4, 4),
-            vector => (1, vector.multiplicity()),
-        }
-    }
-
-    fn column_stride(self) -> usize {
-        (self.grid().1 * self.component.size()).next_multiple_of(4)
-    }
-
-    /// The number stored at the start of `bytes`; normalised integers as their fraction.
-    fn decode(self, bytes: &[u8]) -> f32 {
-        let fraction = |value: f32, largest: f32| {
-            if self.normalized { (value / largest).max(-1.0) } else { value }
-        };
-        match (self.component, bytes) {
-            (ComponentType::I8, &[a, ..]) => fraction(f32::from(a as i8), 127.0),
-            (ComponentType::U8, &[a, ..]) => fraction(f32::from(a), 255.0),
-            (ComponentType::I16, &[a, b, ..]) => fraction(f32::from(i16::from_le_bytes([a, b])), 32767.0),
-            (ComponentType::U16, &[a, b, ..]) => fraction(f32::from(u16::from_le_bytes([a, b])), 65535.0),
-            (ComponentType::U32, &[a, b, c, d, ..]) => u32::from_le_bytes([a, b, c, d]) as f32,
-            (ComponentType::F32, &[a, b, c, d, ..]) => f32::from_le_bytes([a, b, c, d]),
-            // Unreachable: the range of every element was checked when the accessor was opened.
-            _ => 0.0,
-        }
+impl Data<'_> {
+    /// Bytes of all files.
+    pub(super) fn byte_count(self) -> usize {
+        self.files.iter().map(|file| file.bytes.len()).sum()
     }
 }
 
@@ -115,32 +60,30 @@ impl<'a> Elements<'a> {
         let Some(accessor) = data.root.accessors.get(index) else {
             return fail(ErrorCode::OutOfRange, "", format!("there are {} accessors", data.root.accessors.len()));
         };
-        let (Checked::Valid(component), Checked::Valid(shape)) = (accessor.component_type, accessor.type_) else {
-            return fail(ErrorCode::Syntax, "componentType", "not a type of glTF 2.0".into());
-        };
-        let layout = Layout { component: component.0, shape, normalized: accessor.normalized };
-        let Some(count) = usize::try_from(accessor.count.0).ok().filter(|&count| count < u32::MAX as usize) else {
-            return fail(ErrorCode::TooLarge, "count", format!("{} elements are too many", accessor.count.0));
+        let layout = accessor.layout;
+        let Some(count) = usize::try_from(accessor.count).ok().filter(|&count| count < u32::MAX as usize) else {
+            return fail(ErrorCode::TooLarge, "count", format!("{} elements are too many", accessor.count));
         };
         if count == 0 {
             return fail(ErrorCode::Syntax, "count", "an accessor has at least one element".into());
         }
-        if accessor.buffer_view.is_none() && count > MOST_ZEROS {
-            let message = format!("{count} elements of zeros without a buffer view; at most {MOST_ZEROS} are read");
+        let most_zeros = MOST_ZEROS.saturating_add(data.byte_count());
+        if accessor.view.is_none() && count > most_zeros {
+            let message = format!("{count} elements of zeros without a buffer view; at most {most_zeros} are read");
             return fail(ErrorCode::TooLarge, "count", message);
         }
         let (mut bytes, mut stride) = (None, layout.byte_size());
-        if let Some(view) = accessor.buffer_view {
-            let (content, view_stride) = view_bytes(data, view.value())?;
+        if let Some(view) = accessor.view {
+            let (content, view_stride) = view_bytes(data, view)?;
             stride = view_stride.unwrap_or(stride);
             if stride < layout.byte_size() {
                 return Err(Error::new(
                     ErrorCode::Syntax,
-                    format!("bufferViews[{}].byteStride", view.value()),
+                    format!("bufferViews[{}].byteStride", view),
                     format!("{stride} is less than the {} bytes of an element", layout.byte_size()),
                 ));
             }
-            let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
+            let offset = accessor.offset;
             match tail(content, offset, count, stride, layout.byte_size()) {
                 Some(tail) => bytes = Some(tail),
                 None => {
@@ -150,7 +93,7 @@ impl<'a> Elements<'a> {
                         format!(
                             "{count} elements from byte {offset} on reach past the {} bytes of bufferViews[{}]",
                             content.len(),
-                            view.value()
+                            view
                         ),
                     );
                 }
@@ -159,18 +102,14 @@ impl<'a> Elements<'a> {
         let sparse = match &accessor.sparse {
             None => None,
             Some(sparse) => {
-                let sparse_count = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
-                if sparse_count == 0 || sparse_count > count {
-                    let message = format!("{} is not between 1 and the accessor's count {count}", sparse.count.0);
+                let Some(sparse_count) = usize::try_from(sparse.count).ok().filter(|n| (1..=count).contains(n)) else {
+                    let message = format!("{} is not between 1 and the accessor's count {count}", sparse.count);
                     return fail(ErrorCode::OutOfRange, "sparse.count", message);
-                }
-                let Checked::Valid(kind) = sparse.indices.component_type else {
-                    return fail(ErrorCode::Syntax, "sparse.indices.componentType", "not an index type".into());
                 };
-                let kind = Layout { component: kind.0, shape: Type::Scalar, normalized: false };
+                let kind = Layout { component: sparse.index_component, shape: Shape::Scalar, normalized: false };
                 let size = kind.byte_size();
-                let (content, _) = view_bytes(data, sparse.indices.buffer_view.value())?;
-                let Some(indices) = tail(content, sparse.indices.byte_offset.0, sparse_count, size, size) else {
+                let (view, offset) = sparse.indices;
+                let Some(indices) = tail(view_bytes(data, view)?.0, offset, sparse_count, size, size) else {
                     let message = format!("{sparse_count} indices reach past their buffer view");
                     return fail(ErrorCode::OutOfRange, "sparse.indices", message);
                 };
@@ -180,9 +119,9 @@ impl<'a> Elements<'a> {
                     let message = format!("index {i} is {}: they must ascend and stay below the count {count}", at[i]);
                     return fail(ErrorCode::OutOfRange, "sparse.indices", message);
                 }
-                let (content, _) = view_bytes(data, sparse.values.buffer_view.value())?;
                 let size = layout.byte_size();
-                let Some(values) = tail(content, sparse.values.byte_offset.0, sparse_count, size, size) else {
+                let (view, offset) = sparse.values;
+                let Some(values) = tail(view_bytes(data, view)?.0, offset, sparse_count, size, size) else {
                     let message = format!("{sparse_count} values reach past their buffer view");
                     return fail(ErrorCode::OutOfRange, "sparse.values", message);
                 };
@@ -218,10 +157,10 @@ impl<'a> Elements<'a> {
     }
 }
 
-fn read_index(component: ComponentType, bytes: &[u8]) -> u32 {
+fn read_index(component: Component, bytes: &[u8]) -> u32 {
     match (component, bytes) {
-        (ComponentType::U8, &[a, ..]) => u32::from(a),
-        (ComponentType::U16, &[a, b, ..]) => u32::from(u16::from_le_bytes([a, b])),
+        (Component::U8, &[a, ..]) => u32::from(a),
+        (Component::U16, &[a, b, ..]) => u32::from(u16::from_le_bytes([a, b])),
         (_, &[a, b, c, d, ..]) => u32::from_le_bytes([a, b, c, d]),
         // Unreachable, as in `Layout::decode`.
         _ => 0,
@@ -241,10 +180,10 @@ fn tail(bytes: &[u8], offset: u64, count: usize, stride: usize, size: usize) -> 
 /// The bytes of a buffer view, and its stride.
 pub(super) fn view_bytes<'a>(data: Data<'a>, index: usize) -> Result<(&'a [u8], Option<usize>), Error> {
     let place = || format!("bufferViews[{index}]");
-    let Some(view) = data.root.buffer_views.get(index) else {
+    let Some(view) = data.root.views.get(index) else {
         return Err(Error::new(ErrorCode::OutOfRange, place(), "no such buffer view"));
     };
-    let buffer = data.buffers.get(view.buffer.value()).and_then(|buffer| buffer.bytes(data.files));
+    let buffer = data.buffers.get(view.buffer).and_then(|buffer| buffer.bytes(data.files));
     let Some(buffer) = buffer else {
         let json = items(data.tree, "bufferViews").get(index);
         let packed = MESHOPT_EXTENSIONS.iter().find(|name| json.is_some_and(|json| extension(json, name).is_some()));
@@ -257,10 +196,10 @@ pub(super) fn view_bytes<'a>(data: Data<'a>, index: usize) -> Result<(&'a [u8], 
             None => Error::new(ErrorCode::MissingResource, place(), "its buffer has no data"),
         });
     };
-    let (offset, length) = (view.byte_offset.map_or(0, |offset| offset.0), view.byte_length.0);
+    let (offset, length) = (view.offset, view.length);
     let range = offset.checked_add(length).filter(|&end| end <= buffer.len() as u64).map(|end| offset..end);
     match range {
-        Some(range) => Ok((&buffer[range.start as usize..range.end as usize], view.byte_stride.map(|stride| stride.0))),
+        Some(range) => Ok((&buffer[range.start as usize..range.end as usize], view.stride)),
         None => Err(Error::new(
             ErrorCode::OutOfRange,
             place(),

@@ -1,9 +1,9 @@
 //! Which accessor is which attribute: names, order, and what the names mean.
 
-use ::gltf::json::accessor::Type;
 use serde_json::Value;
 
 use super::json::{index as as_index, items, members};
+use super::layout::Shape;
 use super::{AttributeSource, SetSource};
 use crate::mesh::Blend;
 
@@ -70,13 +70,13 @@ impl AttributeSource {
         }
     }
 
-    pub(super) fn allows(&self, shape: Type) -> bool {
+    pub(super) fn allows(&self, shape: Shape) -> bool {
         match self.semantic.split('_').next().unwrap_or_default() {
-            "POSITION" | "NORMAL" => shape == Type::Vec3,
-            "TANGENT" => shape == if self.target.is_some() { Type::Vec3 } else { Type::Vec4 },
-            "TEXCOORD" => shape == Type::Vec2,
-            "COLOR" => matches!(shape, Type::Vec3 | Type::Vec4),
-            "JOINTS" | "WEIGHTS" => shape == Type::Vec4,
+            "POSITION" | "NORMAL" => shape == Shape::Vec3,
+            "TANGENT" => shape == if self.target.is_some() { Shape::Vec3 } else { Shape::Vec4 },
+            "TEXCOORD" => shape == Shape::Vec2,
+            "COLOR" => matches!(shape, Shape::Vec3 | Shape::Vec4),
+            "JOINTS" | "WEIGHTS" => shape == Shape::Vec4,
             _ => true,
         }
     }

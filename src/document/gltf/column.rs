@@ -1,10 +1,8 @@
 //! A column of the output: the elements of one accessor, and how each is stored.
 
-use ::gltf::json::accessor::{ComponentType, Type};
-use serde_json::{Value, json};
+use serde_json::Value;
 
-use super::accessor::Layout;
-use super::json::text;
+use super::layout::{Component, Layout};
 
 /// Weights nearer to 1 than this are as near as single precision gets.
 const ROUNDED_WEIGHTS: f64 = 1e-7;
@@ -87,38 +85,16 @@ impl Column<'_> {
 }
 
 impl Layout {
-    /// The layout that an accessor of the output states.
-    pub(super) fn of(accessor: &Value) -> Self {
-        let component = match accessor["componentType"].as_u64() {
-            Some(5120) => ComponentType::I8,
-            Some(5121) => ComponentType::U8,
-            Some(5122) => ComponentType::I16,
-            Some(5123) => ComponentType::U16,
-            Some(5125) => ComponentType::U32,
-            _ => ComponentType::F32,
-        };
-        let shape = match text(accessor, "type") {
-            Some("VEC2") => Type::Vec2,
-            Some("VEC3") => Type::Vec3,
-            Some("VEC4") => Type::Vec4,
-            Some("MAT2") => Type::Mat2,
-            Some("MAT3") => Type::Mat3,
-            Some("MAT4") => Type::Mat4,
-            _ => Type::Scalar,
-        };
-        Self { component, shape, normalized: accessor["normalized"].as_bool().unwrap_or(false) }
-    }
-
     /// Smallest and largest value that can be stored; `None` for floats.
     fn range(self) -> Option<(f64, f64)> {
         match self.component {
             // -128 and -127 both mean -1, and only one of them has a counterpart.
-            ComponentType::I8 => Some((if self.normalized { -127.0 } else { -128.0 }, 127.0)),
-            ComponentType::I16 => Some((if self.normalized { -32767.0 } else { -32768.0 }, 32767.0)),
-            ComponentType::U8 => Some((0.0, f64::from(u8::MAX))),
-            ComponentType::U16 => Some((0.0, f64::from(u16::MAX))),
-            ComponentType::U32 => Some((0.0, f64::from(u32::MAX))),
-            ComponentType::F32 => None,
+            Component::I8 => Some((if self.normalized { -127.0 } else { -128.0 }, 127.0)),
+            Component::I16 => Some((if self.normalized { -32767.0 } else { -32768.0 }, 32767.0)),
+            Component::U8 => Some((0.0, f64::from(u8::MAX))),
+            Component::U16 => Some((0.0, f64::from(u16::MAX))),
+            Component::U32 => Some((0.0, f64::from(u32::MAX))),
+            Component::F32 => None,
         }
     }
 
@@ -153,12 +129,12 @@ impl Layout {
 
     fn encode(self, stored: f64, out: &mut [u8]) {
         match self.component {
-            ComponentType::I8 => put(out, (stored as i8).to_le_bytes()),
-            ComponentType::U8 => put(out, (stored as u8).to_le_bytes()),
-            ComponentType::I16 => put(out, (stored as i16).to_le_bytes()),
-            ComponentType::U16 => put(out, (stored as u16).to_le_bytes()),
-            ComponentType::U32 => put(out, (stored as u32).to_le_bytes()),
-            ComponentType::F32 => put(out, (stored as f32).to_le_bytes()),
+            Component::I8 => put(out, (stored as i8).to_le_bytes()),
+            Component::U8 => put(out, (stored as u8).to_le_bytes()),
+            Component::I16 => put(out, (stored as i16).to_le_bytes()),
+            Component::U16 => put(out, (stored as u16).to_le_bytes()),
+            Component::U32 => put(out, (stored as u32).to_le_bytes()),
+            Component::F32 => put(out, (stored as f32).to_le_bytes()),
         }
     }
 }
@@ -170,7 +146,7 @@ fn put<const N: usize>(out: &mut [u8], bytes: [u8; N]) {
 /// `min` and `max` for an accessor: whole numbers for integers, the exact f32 otherwise.
 pub(super) fn bounds_to_json(layout: Layout, bounds: &[(f64, f64)]) -> (Value, Value) {
     let number = |value: f64| {
-        if layout.component == ComponentType::F32 { json!(value) } else { json!(value as i64) }
+        if layout.component == Component::F32 { Value::from(value) } else { Value::from(value as i64) }
     };
     let list = |pick: fn(&(f64, f64)) -> f64| bounds.iter().map(|pair| number(pick(pair))).collect();
     (list(|pair| pair.0), list(|pair| pair.1))

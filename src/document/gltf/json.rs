@@ -1,13 +1,23 @@
 //! Small look-ups in a JSON tree: absent and mistyped are the same here, because types are checked first.
+//!
+//! `inline(never)` as in [`super::spot`]: for small code.
 
 use serde_json::{Map, Value};
 
+/// An object with these members; `json!` would be a screen of code at every place.
+#[inline(never)]
+pub(super) fn object(members: Vec<(&str, Value)>) -> Value {
+    Value::Object(members.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
+}
+
 /// The array under `key`, or an empty one.
+#[inline(never)]
 pub(super) fn items<'a>(object: &'a Value, key: &str) -> &'a [Value] {
     object.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
 
 /// The array under `key`, to change.
+#[inline(never)]
 pub(super) fn items_mut<'a>(object: &'a mut Value, key: &str) -> &'a mut [Value] {
     object.get_mut(key).and_then(Value::as_array_mut).map_or(&mut [], Vec::as_mut_slice)
 }
@@ -19,11 +29,13 @@ pub(super) fn members<'a>(object: &'a Value, key: &str) -> impl Iterator<Item = 
 }
 
 /// A non-negative integer.
+#[inline(never)]
 pub(super) fn uint(object: &Value, key: &str) -> Option<usize> {
     object.get(key).and_then(index)
 }
 
 /// The value itself as a non-negative integer; JSON may write it with a decimal point.
+#[inline(never)]
 pub(super) fn index(value: &Value) -> Option<usize> {
     const EXACT: f64 = 9_007_199_254_740_992.0; // 2^53
     let integer = value.as_f64().filter(|number| (0.0..EXACT).contains(number) && number.fract() == 0.0);
@@ -31,16 +43,19 @@ pub(super) fn index(value: &Value) -> Option<usize> {
 }
 
 /// A string.
+#[inline(never)]
 pub(super) fn text<'a>(object: &'a Value, key: &str) -> Option<&'a str> {
     object.get(key).and_then(Value::as_str)
 }
 
 /// The extension object of this name.
+#[inline(never)]
 pub(super) fn extension<'a>(object: &'a Value, name: &str) -> Option<&'a Value> {
     object.get("extensions")?.get(name)
 }
 
 /// Removes one extension object, and `extensions` with it when nothing is left there.
+#[inline(never)]
 pub(super) fn remove_extension(object: &mut Value, name: &str) {
     let Some(object) = object.as_object_mut() else {
         return;
@@ -54,6 +69,7 @@ pub(super) fn remove_extension(object: &mut Value, name: &str) {
 }
 
 /// Removes a member; the order of the others stays.
+#[inline(never)]
 pub(super) fn remove(object: &mut Value, key: &str) {
     if let Some(object) = object.as_object_mut() {
         object.shift_remove(key);

@@ -1,7 +1,8 @@
 //! Materials of another format in the tree of a new file.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
+use super::json::object;
 use super::write::array;
 use crate::document::lookup::image_type;
 use crate::document::material::{Material, Materials};
@@ -56,44 +57,41 @@ impl Textures<'_> {
             None => {
                 let name = file.name.rsplit(['/', '\\']).next().unwrap_or_default();
                 let name = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
-                array(tree, "images").push(json!({ "name": name }));
+                array(tree, "images").push(object(vec![("name", name.into())]));
                 let is_webp = image_type(&file.bytes) == Some("image/webp");
                 let number = self.images.len();
                 self.images.push(&file.bytes);
                 if tree.get("samplers").is_none() {
                     // Textures of other formats repeat.
-                    tree["samplers"] =
-                        json!([{ "magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497 }]);
+                    let keys = [("magFilter", 9729), ("minFilter", 9987), ("wrapS", 10497), ("wrapT", 10497)];
+                    tree["samplers"] = vec![object(keys.map(|(key, code)| (key, code.into())).to_vec())].into();
                 }
-                array(tree, "textures").push(if is_webp {
-                    json!({ "sampler": 0, "extensions": { WEBP: { "source": number } } })
-                } else {
-                    json!({ "sampler": 0, "source": number })
-                });
+                let source = ("source", number.into());
+                let source = if is_webp { ("extensions", object(vec![(WEBP, object(vec![source]))])) } else { source };
+                array(tree, "textures").push(object(vec![("sampler", 0.into()), source]));
                 if is_webp && tree.get("extensionsUsed").is_none() {
-                    tree["extensionsUsed"] = json!([WEBP]);
-                    tree["extensionsRequired"] = json!([WEBP]);
+                    tree["extensionsUsed"] = vec![WEBP].into();
+                    tree["extensionsRequired"] = vec![WEBP].into();
                 }
                 self.numbers[image] = Some(number);
                 number
             }
         };
-        Some(json!({ "index": number }))
+        Some(object(vec![("index", number.into())]))
     }
 }
 
 const WEBP: &str = "EXT_texture_webp";
 
 fn to_json(material: &Material, tree: &mut Value, textures: &mut Textures<'_>) -> Value {
-    let mut out = json!({
-        "name": material.name,
-        "pbrMetallicRoughness": { "metallicFactor": material.metallic, "roughnessFactor": material.roughness },
-    });
+    let surface =
+        object(vec![("metallicFactor", material.metallic.into()), ("roughnessFactor", material.roughness.into())]);
+    let mut out = object(vec![("name", material.name.as_str().into()), ("pbrMetallicRoughness", surface)]);
     if material.base_color != [1.0; 4] {
-        out["pbrMetallicRoughness"]["baseColorFactor"] = json!(material.base_color);
+        out["pbrMetallicRoughness"]["baseColorFactor"] = material.base_color.to_vec().into();
     }
     if material.emissive != [0.0; 3] {
-        out["emissiveFactor"] = json!(material.emissive);
+        out["emissiveFactor"] = material.emissive.to_vec().into();
     }
     if material.base_color[3] < 1.0 || material.has_alpha_image {
         out["alphaMode"] = "BLEND".into();

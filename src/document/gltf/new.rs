@@ -1,7 +1,8 @@
 //! A glTF file for a mesh that came from another format: the smallest tree that names its parts.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
+use super::json::object;
 use super::resource::Content;
 use super::write::{array, write};
 use super::{AttributeSource, GltfSource, PrimitiveSource, SetSource, materials};
@@ -21,25 +22,26 @@ pub(in crate::document) fn write_new(mesh: &Mesh, layout: &SceneLayout) -> Resul
     if mesh.triangles.is_empty() {
         return Err(Error::new(ErrorCode::NoTriangles, "mesh", "a glTF mesh cannot be empty"));
     }
-    let mut tree = json!({
-        "asset": { "version": "2.0", "generator": "Decimesh" },
-        "scene": 0,
-        "scenes": [{ "nodes": [] }],
-        "nodes": [],
-        "meshes": [],
-        "accessors": [],
-    });
+    let empty = || Value::Array(Vec::new());
+    let mut tree = object(vec![
+        ("asset", object(vec![("version", "2.0".into()), ("generator", "Decimesh".into())])),
+        ("scene", 0.into()),
+        ("scenes", vec![object(vec![("nodes", empty())])].into()),
+        ("nodes", empty()),
+        ("meshes", empty()),
+        ("accessors", empty()),
+    ]);
     let (mesh, labels) = used_part(mesh, layout);
     let sets: Vec<SetSource> = mesh.wedge_sets.iter().map(|set| declare(&mut tree, set)).collect::<Result<_, _>>()?;
     let mut primitives = Vec::new();
     let mut objects: Vec<&Option<String>> = Vec::new();
     let mut materials: Vec<materials::Use<'_>> = Vec::new();
     for (group, label) in mesh.groups.iter().zip(&labels) {
-        let object = objects.iter().position(|known| **known == label.object).unwrap_or_else(|| {
+        let owner = objects.iter().position(|known| **known == label.object).unwrap_or_else(|| {
             objects.push(&label.object);
             add_object(&mut tree, label.object.as_deref())
         });
-        let mut primitive = json!({ "attributes": {} });
+        let mut primitive = object(vec![("attributes", object(Vec::new()))]);
         for attribute in &sets[group.wedge_set].attributes {
             primitive["attributes"][&attribute.semantic] = attribute.accessor.into();
         }
@@ -52,9 +54,9 @@ pub(in crate::document) fn write_new(mesh: &Mesh, layout: &SceneLayout) -> Resul
             });
             primitive["material"] = material.into();
         }
-        let siblings = array(&mut tree["meshes"][object], "primitives");
+        let siblings = array(&mut tree["meshes"][owner], "primitives");
         siblings.push(primitive);
-        primitives.push(PrimitiveSource { mesh: object, primitive: siblings.len() - 1 });
+        primitives.push(PrimitiveSource { mesh: owner, primitive: siblings.len() - 1 });
     }
     let images = materials::add(&mut tree, &materials, &layout.materials);
     // The writer edits trees, so it gets this one as if it had been read, with all data still to come.
@@ -151,7 +153,7 @@ fn declare(tree: &mut Value, set: &WedgeSet) -> Result<SetSource, Error> {
             }
         };
         let accessors = array(tree, "accessors");
-        accessors.push(json!({ "componentType": 5126, "count": 1, "type": shape }));
+        accessors.push(object(vec![("componentType", 5126.into()), ("count", 1.into()), ("type", shape.into())]));
         attributes.push(AttributeSource { target: None, semantic: name.to_owned(), accessor: accessors.len() - 1 });
     }
     Ok(SetSource { attributes, place: String::new() })
@@ -159,11 +161,9 @@ fn declare(tree: &mut Value, set: &WedgeSet) -> Result<SetSource, Error> {
 
 /// A mesh and its node in the scene; the index of the mesh.
 fn add_object(tree: &mut Value, name: Option<&str>) -> usize {
-    let (mut mesh, mut node) = (json!({ "primitives": [] }), json!({}));
-    if let Some(name) = name {
-        mesh = json!({ "name": name, "primitives": [] });
-        node["name"] = name.into();
-    }
+    let name = name.map(|name| ("name", Value::from(name)));
+    let mut node = object(name.clone().into_iter().collect());
+    let mesh = object(name.into_iter().chain([("primitives", Value::Array(Vec::new()))]).collect());
     let meshes = array(tree, "meshes");
     meshes.push(mesh);
     let index = meshes.len() - 1;

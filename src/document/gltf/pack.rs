@@ -1,11 +1,10 @@
 //! Lays out the binary chunk: new columns, what is kept of the old buffers, and images.
 
-use std::collections::BTreeMap;
-
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use super::column::{Column, bounds_to_json};
-use super::json::{items, remove, remove_extension, uint};
+use super::json::{items, object, remove, remove_extension, uint};
+use super::order::order;
 use super::schema::MESHOPT_EXTENSIONS;
 use super::write::array;
 
@@ -42,13 +41,13 @@ pub(super) fn pack(
 ) -> Vec<u8> {
     let mut binary = Vec::new();
     let blocks = make_blocks(tree, columns, free_views);
-    let (placed, pool) = assign_views(&blocks);
+    let (placed, pools) = assign_views(&blocks, free_views.len());
     let mut spare: Vec<usize> =
-        (0..free_views.len()).rev().filter(|view| free_views[*view] && !placed.contains_key(view)).collect();
-    for (&view, members) in &placed {
+        (0..free_views.len()).rev().filter(|view| free_views[*view] && placed[*view].is_empty()).collect();
+    for (view, members) in placed.iter().enumerate().filter(|(_, members)| !members.is_empty()) {
         write_view(tree, &mut binary, view, members, &blocks, columns);
     }
-    for members in pool.values() {
+    for members in &pools {
         let view = take_view(tree, &mut spare);
         write_view(tree, &mut binary, view, members, &blocks, columns);
     }
@@ -71,30 +70,44 @@ pub(super) fn pack(
     binary
 }
 
-/// One buffer, which keeps what else the first one said.
+/// What a buffer holds whose content went into the first: one byte, for there may not be none.
+const PLACEHOLDER: &str = "data:application/octet-stream;base64,AA==";
+
+/// All content in the first buffer. Every buffer keeps what else it says (name, extras, extensions); the last ones that
+/// say nothing are left out.
 pub(super) fn set_buffer(tree: &mut Value, length: usize) {
     if length == 0 {
         remove(tree, "buffers");
         return;
     }
     let buffers = array(tree, "buffers");
-    buffers.truncate(1);
-    if buffers.is_empty() {
-        buffers.push(json!({}));
+    for buffer in buffers.iter_mut() {
+        remove(buffer, "uri");
+        remove(buffer, "byteLength");
+        MESHOPT_EXTENSIONS.iter().for_each(|name| remove_extension(buffer, name));
     }
-    let buffer = &mut buffers[0];
-    remove(buffer, "uri");
-    MESHOPT_EXTENSIONS.iter().for_each(|name| remove_extension(buffer, name));
-    buffer["byteLength"] = length.into();
+    let speaks = |buffer: &Value| buffer.as_object().is_some_and(|buffer| !buffer.is_empty());
+    buffers.truncate(buffers.iter().rposition(speaks).map_or(0, |last| last + 1));
+    if buffers.is_empty() {
+        buffers.push(object(Vec::new()));
+    }
+    for (b, buffer) in buffers.iter_mut().enumerate() {
+        if b > 0 {
+            buffer["uri"] = PLACEHOLDER.into();
+        }
+        buffer["byteLength"] = if b == 0 { length } else { 1 }.into();
+    }
 }
 
 fn make_blocks(tree: &Value, columns: &[Column<'_>], free_views: &[bool]) -> Vec<Block> {
     let old_place = |c: usize| columns[c].old_place.filter(|(view, _)| free_views.get(*view) == Some(&true));
-    let mut order: Vec<usize> = (0..columns.len()).filter(|&c| !is_blank(&columns[c])).collect();
     // Columns without an old place stay in the order in which they were made.
-    order.sort_by_key(|&c| (old_place(c).is_none(), old_place(c), c));
+    let keys: Vec<_> = (0..columns.len()).map(|c| (old_place(c).is_none(), old_place(c))).collect();
     let mut blocks: Vec<Block> = Vec::new();
-    for c in order {
+    for c in order(columns.len(), &|a, b| keys[a] < keys[b]) {
+        if is_blank(&columns[c]) {
+            continue;
+        }
         let column = &columns[c];
         let is_indices = column.set.is_none();
         let size = column.layout.byte_size();
@@ -123,25 +136,25 @@ fn make_blocks(tree: &Value, columns: &[Column<'_>], free_views: &[bool]) -> Vec
     blocks
 }
 
-/// Blocks that share a buffer view: of one kind and stride.
-type Pool = BTreeMap<(bool, usize), Vec<usize>>;
-
-/// Each free view takes the first kind of block that was there; all others are pooled by kind.
-fn assign_views(blocks: &[Block]) -> (BTreeMap<usize, Vec<usize>>, Pool) {
-    let mut placed: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    let mut pool = Pool::new();
+/// Each free view takes the first kind of block that was there; all others are pooled by kind, so that the blocks of a
+/// view have one kind and stride. The blocks of each view (none: it takes nothing), and those of each pool.
+fn assign_views(blocks: &[Block], view_count: usize) -> (Vec<Vec<usize>>, Vec<Vec<usize>>) {
+    let mut placed: Vec<Vec<usize>> = vec![Vec::new(); view_count];
+    let mut pools: Vec<Vec<usize>> = Vec::new();
+    let kind = |b: usize| (blocks[b].is_indices, blocks[b].stride);
     for (b, block) in blocks.iter().enumerate() {
-        let kind = (block.is_indices, block.stride);
-        if let Some(view) = block.view {
-            let members = placed.entry(view).or_default();
-            if members.first().is_none_or(|&first: &usize| (blocks[first].is_indices, blocks[first].stride) == kind) {
-                members.push(b);
-                continue;
-            }
+        if let Some(members) = block.view.and_then(|view| placed.get_mut(view))
+            && members.first().is_none_or(|&first| kind(first) == kind(b))
+        {
+            members.push(b);
+            continue;
         }
-        pool.entry(kind).or_default().push(b);
+        match pools.iter_mut().find(|pool| pool.first().is_some_and(|&first| kind(first) == kind(b))) {
+            Some(pool) => pool.push(b),
+            None => pools.push(vec![b]),
+        }
     }
-    (placed, pool)
+    (placed, pools)
 }
 
 fn write_view(
@@ -212,7 +225,7 @@ fn copy_kept_views(tree: &mut Value, binary: &mut Vec<u8>, free_views: &[bool], 
         end: usize,
     }
     let views = items(tree, "bufferViews").iter().take(free_views.len()).enumerate();
-    let mut ranges: Vec<Range> = views
+    let ranges: Vec<Range> = views
         .filter(|(view, _)| !free_views[*view])
         .map(|(view, json)| {
             let start = uint(json, "byteOffset").unwrap_or(0);
@@ -220,10 +233,11 @@ fn copy_kept_views(tree: &mut Value, binary: &mut Vec<u8>, free_views: &[bool], 
             Range { view, buffer: uint(json, "buffer").unwrap_or(0), start, end }
         })
         .collect();
-    ranges.sort_by_key(|range| (range.buffer, range.start, range.end));
+    let key = |range: &Range| (range.buffer, range.start, range.end);
+    let sorted = order(ranges.len(), &|a, b| key(&ranges[a]) < key(&ranges[b]));
     // Of the run of overlapping ranges at hand: buffer, bytes copied so far, and how far they moved.
     let mut run: Option<(usize, usize, usize)> = None;
-    for Range { view, buffer, start, end } in ranges {
+    for &Range { view, buffer, start, end } in sorted.iter().map(|&range| &ranges[range]) {
         let source = buffers.get(buffer).copied().unwrap_or_default();
         let (copied, run_start) = match run {
             Some((of, copied, run_start)) if of == buffer && start <= copied => (copied, run_start),
@@ -253,7 +267,7 @@ fn take_view(tree: &mut Value, spare: &mut Vec<usize>) -> usize {
         }
         None => {
             let views = array(tree, "bufferViews");
-            views.push(json!({}));
+            views.push(object(Vec::new()));
             views.len() - 1
         }
     }
@@ -272,8 +286,8 @@ fn place_view(tree: &mut Value, view: usize, offset: usize, length: usize) {
 
 /// Views that lost their content keep their place in the array, for the numbers of those behind
 /// them, over a few bytes that others own. The last of the array can go.
-fn bury(tree: &mut Value, binary: &mut Vec<u8>, mut spare: Vec<usize>) {
-    spare.sort_unstable();
+fn bury(tree: &mut Value, binary: &mut Vec<u8>, spare: Vec<usize>) {
+    let mut spare: Vec<usize> = order(spare.len(), &|a, b| spare[a] < spare[b]).into_iter().map(|s| spare[s]).collect();
     while let Some(&last) = spare.last().filter(|&&last| last + 1 == items(tree, "bufferViews").len()) {
         array(tree, "bufferViews").truncate(last);
         spare.pop();

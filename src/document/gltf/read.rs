@@ -1,10 +1,10 @@
 //! From checked accessors to a [`Mesh`]: every triangle primitive becomes a group.
 
-use ::gltf::json::accessor::{ComponentType, Type};
 use serde_json::Value;
 
 use super::accessor::{Data, Elements};
 use super::json::{extension, index as as_index, items, members, uint};
+use super::layout::{Component, Shape};
 use super::schema::DRACO_EXTENSION;
 use super::unique::Unique;
 use super::{PrimitiveSource, SetSource, attributes};
@@ -14,6 +14,11 @@ use crate::mesh::{Attribute, Group, Mesh, Part, WedgeSet};
 /// Numbers in a mesh (positions, attributes, indices), together 2 GiB: what a 4 GiB wasm memory
 /// can hold besides the file.
 const MOST_NUMBERS: usize = 1 << 29;
+/// Primitives may share their data, so a mesh may be larger than its file, but not without bound: this
+/// many numbers, and so many more for each byte. An unshared byte gives three at most (a strip of 8-bit
+/// indices), and one of a usual file a quarter.
+const MOST_NUMBERS_OF_NOTHING: usize = 1 << 22;
+const MOST_NUMBERS_PER_BYTE: usize = 16;
 
 /// The mesh and, for the writer, where each of its parts came from.
 pub(super) struct Geometry {
@@ -87,6 +92,11 @@ impl<'a> Reader<'a, '_> {
         if self.numbers > MOST_NUMBERS {
             return Err(Error::new(ErrorCode::TooLarge, place, "the geometry does not fit into 2 GiB of memory"));
         }
+        let bytes = self.data.byte_count();
+        if self.numbers > MOST_NUMBERS_OF_NOTHING.saturating_add(bytes.saturating_mul(MOST_NUMBERS_PER_BYTE)) {
+            let message = format!("{} numbers from {bytes} bytes: the geometry is shared too often", self.numbers);
+            return Err(Error::new(ErrorCode::TooLarge, place, message));
+        }
         Ok(())
     }
 
@@ -136,9 +146,9 @@ impl<'a> Reader<'a, '_> {
         let elements = Elements::open(self.data, accessor)?;
         let layout = elements.layout;
         let restart = match (layout.shape, layout.component) {
-            (Type::Scalar, ComponentType::U8) => u32::from(u8::MAX),
-            (Type::Scalar, ComponentType::U16) => u32::from(u16::MAX),
-            (Type::Scalar, ComponentType::U32) => u32::MAX,
+            (Shape::Scalar, Component::U8) => u32::from(u8::MAX),
+            (Shape::Scalar, Component::U16) => u32::from(u16::MAX),
+            (Shape::Scalar, Component::U32) => u32::MAX,
             _ => {
                 return Err(Error::new(ErrorCode::Syntax, place, "indices must be unsigned integers"));
             }
@@ -244,7 +254,7 @@ impl<'a> Reader<'a, '_> {
                 return Err(Error::new(ErrorCode::Syntax, source.place_of(k), message));
             }
             // An f32 holds every integer only up to 2^24.
-            if column.layout.component == ComponentType::U32 {
+            if column.layout.component == Component::U32 {
                 let message = "32-bit integers are not allowed as vertex attributes";
                 return Err(Error::new(ErrorCode::Unsupported, source.place_of(k), message));
             }

@@ -1,11 +1,10 @@
 //! Where the scenes show each mesh, and how large.
 
-use ::gltf::json::Root;
-use ::gltf::json::scene::Node;
 use serde_json::Value;
 
 use super::accessor::{Data, read_all};
 use super::json::{extension, index as as_index, items, members, text};
+use super::schema::Root;
 use crate::document::{GroupLabel, Instance};
 use crate::error::Error;
 
@@ -36,22 +35,22 @@ pub(super) struct Appearances {
 pub(super) fn appearances(data: Data<'_>) -> Result<Appearances, Error> {
     let root = data.root;
     let world = world_matrices(root);
-    let default_scene = root.scene.map_or(0, |scene| scene.value());
-    let scene_roots = |scene: usize| root.scenes.get(scene).map_or(&[][..], |scene| &scene.nodes);
-    let shown = reachable(root, scene_roots(default_scene).iter().map(|node| node.value()));
-    let anywhere = reachable(root, (0..root.scenes.len()).flat_map(scene_roots).map(|node| node.value()));
+    let default_scene = root.scene.unwrap_or(0);
+    let scene_roots = |scene: usize| root.scenes.get(scene).map_or(&[][..], Vec::as_slice);
+    let shown = reachable(root, scene_roots(default_scene).iter().copied());
+    let anywhere = reachable(root, (0..root.scenes.len()).flat_map(scene_roots).copied());
 
     let mut instances = Vec::new();
     let mut instances_left = MOST_INSTANCES;
     // Largest scale in a scene, and among nodes that no scene shows (a level of detail may hang
     // on an extension only).
-    let mut largest = vec![[0.0f64; 2]; root.meshes.len()];
+    let mut largest = vec![[0.0f64; 2]; root.mesh_count];
     for (n, node) in root.nodes.iter().enumerate() {
-        let Some(mesh) = node.mesh.map(|mesh| mesh.value()).filter(|&mesh| mesh < largest.len()) else {
+        let Some(mesh) = node.mesh else {
             continue;
         };
         let base = match node.skin {
-            Some(skin) => skinned_matrix(data, skin.value(), &world)?,
+            Some(skin) => skinned_matrix(data, skin, &world)?,
             None => world[n].unwrap_or(IDENTITY),
         };
         let locals = instance_matrices(data, n, instances_left)?;
@@ -91,19 +90,19 @@ fn world_matrices(root: &Root) -> Vec<Option<Matrix>> {
     let count = root.nodes.len();
     let mut parent = vec![None; count];
     for (n, node) in root.nodes.iter().enumerate() {
-        for child in children(node).filter(|&child| child < count) {
+        for child in node.children.iter().copied() {
             parent[child] = parent[child].or(Some(n));
         }
     }
     let mut world = vec![None; count];
     let mut stack: Vec<usize> = (0..count).filter(|&n| parent[n].is_none()).collect();
     while let Some(n) = stack.pop() {
-        let local = local_matrix(&root.nodes[n]);
+        let local = root.nodes[n].local.as_deref().copied().unwrap_or(IDENTITY);
         world[n] = Some(match parent[n].and_then(|parent: usize| world[parent].as_ref()) {
             Some(parent) => multiply(parent, &local),
             None => local,
         });
-        stack.extend(children(&root.nodes[n]).filter(|&child| child < count && parent[child] == Some(n)));
+        stack.extend(root.nodes[n].children.iter().filter(|&&child| parent[child] == Some(n)));
     }
     world
 }
@@ -114,25 +113,10 @@ fn reachable(root: &Root, from: impl Iterator<Item = usize>) -> Vec<bool> {
     while let Some(n) = stack.pop() {
         if let Some(first @ false) = seen.get_mut(n) {
             *first = true;
-            stack.extend(children(&root.nodes[n]));
+            stack.extend(&root.nodes[n].children);
         }
     }
     seen
-}
-
-fn children(node: &Node) -> impl Iterator<Item = usize> + '_ {
-    node.children.iter().flatten().map(|child| child.value())
-}
-
-fn local_matrix(node: &Node) -> Matrix {
-    match &node.matrix {
-        Some(matrix) => matrix.map(f64::from),
-        None => compose(
-            node.translation.unwrap_or_default(),
-            node.rotation.map_or([0.0, 0.0, 0.0, 1.0], |rotation| rotation.0),
-            node.scale.unwrap_or([1.0; 3]),
-        ),
-    }
 }
 
 /// A skin ignores its node's place: the first joint stands for all of them, in their bind pose.
@@ -140,11 +124,11 @@ fn skinned_matrix(data: Data<'_>, skin: usize, world: &[Option<Matrix>]) -> Resu
     let Some(skin) = data.root.skins.get(skin) else {
         return Ok(IDENTITY);
     };
-    let joint = skin.joints.first().and_then(|joint| *world.get(joint.value())?).unwrap_or(IDENTITY);
+    let joint = skin.first_joint.and_then(|joint| world[joint]).unwrap_or(IDENTITY);
     let Some(accessor) = skin.inverse_bind_matrices else {
         return Ok(joint);
     };
-    let numbers = read_all(data, accessor.value(), 1)?;
+    let numbers = read_all(data, accessor, 1)?;
     let mut inverse_bind = IDENTITY;
     if numbers.len() == inverse_bind.len() {
         inverse_bind = std::array::from_fn(|i| f64::from(numbers[i]));
@@ -180,7 +164,7 @@ fn instance_matrices(data: Data<'_>, node: usize, limit: usize) -> Result<Vec<Ma
 }
 
 /// Translation · rotation (unit quaternion x, y, z, w) · scale.
-fn compose(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Matrix {
+pub(super) fn compose(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> Matrix {
     let [x, y, z, w] = rotation.map(f64::from);
     let axes = [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],

@@ -1,80 +1,93 @@
 //! Is this JSON a glTF 2.0 whose geometry can be relied on?
 //!
-//! The `gltf` crate checks types and index ranges, but it also refuses files for what has nothing
-//! to do with triangles: an unknown required extension, an animation pointer, a texture without a
-//! source. So its findings are collected and judged here: about geometry they are errors, about
-//! anything else warnings, for that part of the tree is only carried through.
+//! What the triangles depend on is read here, checked, into small typed records: a fault is an
+//! error at its JSON path. The rest of the tree is only carried through, so a fault there is none
+//! of ours; [`super::carried`] warns of the worst.
 
-use ::gltf::json::validation::{Error as Finding, Validate};
-use ::gltf::json::{Path, Root};
-use serde_json::{Map, Value, json};
+use serde_json::Value;
 
-use super::json::{index, items, path_at, text};
-use crate::error::{Error, ErrorCode, Warning};
+use super::json::{path_at, text};
+use super::layout::{Component, Layout, Shape};
+use super::scene::{Matrix, compose};
+use super::spot::Spot;
+use crate::error::{Error, ErrorCode};
 
 pub(super) const DRACO_EXTENSION: &str = "KHR_draco_mesh_compression";
 pub(super) const MESHOPT_EXTENSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// What the reader takes from the file; the rest is carried through.
-const GEOMETRY: [&str; 9] =
-    ["asset", "accessors", "bufferViews", "buffers", "meshes", "nodes", "scene", "scenes", "skins"];
+/// What the reader takes from the tree. Every index is that of something which is there.
+#[derive(Debug)]
+pub(super) struct Root {
+    pub(super) accessors: Vec<Accessor>,
+    pub(super) views: Vec<View>,
+    pub(super) nodes: Vec<Node>,
+    /// The nodes of each scene.
+    pub(super) scenes: Vec<Vec<usize>>,
+    /// The default scene.
+    pub(super) scene: Option<usize>,
+    pub(super) skins: Vec<Skin>,
+    pub(super) mesh_count: usize,
+}
+
+/// Byte offsets and counts are as the file states them, not yet compared with what is there.
+#[derive(Debug)]
+pub(super) struct Accessor {
+    pub(super) view: Option<usize>,
+    pub(super) offset: u64,
+    pub(super) layout: Layout,
+    pub(super) count: u64,
+    pub(super) sparse: Option<Sparse>,
+}
+
+/// Elements that differ from the base.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sparse {
+    pub(super) count: u64,
+    pub(super) index_component: Component,
+    /// Buffer view and byte offset there.
+    pub(super) indices: (usize, u64),
+    /// As `indices`.
+    pub(super) values: (usize, u64),
+}
+
+/// A range of a buffer.
+#[derive(Debug)]
+pub(super) struct View {
+    pub(super) buffer: usize,
+    pub(super) offset: u64,
+    pub(super) length: u64,
+    pub(super) stride: Option<usize>,
+}
+
+/// A node of the scene.
+#[derive(Debug)]
+pub(super) struct Node {
+    pub(super) children: Vec<usize>,
+    pub(super) mesh: Option<usize>,
+    pub(super) skin: Option<usize>,
+    /// Parent from local; `None` is the identity.
+    pub(super) local: Option<Box<Matrix>>,
+}
+
+/// A skin, as far as it places a mesh.
+#[derive(Debug)]
+pub(super) struct Skin {
+    pub(super) first_joint: Option<usize>,
+    pub(super) inverse_bind_matrices: Option<usize>,
+}
 
 /// Parses and checks; the tree is what will be edited, the root what is read.
 ///
 /// # Errors
 /// `syntax`, `out-of-range`, `too-large` or `unsupported`, at a JSON path.
-pub(super) fn parse(json: &[u8], warnings: &mut Vec<Warning>) -> Result<(Value, Root), Error> {
+pub(super) fn parse(json: &[u8]) -> Result<(Value, Root), Error> {
     // Neither is allowed, and both occur: a byte-order mark, and zeros that pad a GLB chunk.
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
     let json = &json[..json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1)];
     let tree: Value = serde_json::from_slice(json).map_err(|error| syntax_error(json, &error))?;
     check_version(&tree)?;
-    check_unguarded_indices(&tree)?;
-    let root = match serde_json::from_slice::<Root>(json) {
-        Ok(root) => root,
-        Err(error) => {
-            // The fault may lie in a part that is only carried through.
-            let reduced = serde_json::to_vec(&geometry_of(&tree)).unwrap_or_default();
-            let root = serde_json::from_slice(&reduced).map_err(|error| syntax_error(&reduced, &error))?;
-            let fault = syntax_error(json, &error);
-            warnings.push(Warning {
-                code: "schema",
-                message: format!("{}; carried through unchanged", fault.message()),
-                place: fault.place().to_owned(),
-            });
-            root
-        }
-    };
-    judge(&root, warnings)?;
+    let root = read_root(&Spot::root(&tree))?;
     Ok((tree, root))
-}
-
-/// Only the geometry of the tree; materials stay as empty ones, for their indices.
-fn geometry_of(tree: &Value) -> Value {
-    let kept = GEOMETRY.iter().filter_map(|&key| Some((key.to_owned(), tree.get(key)?.clone())));
-    let mut reduced: Map<String, Value> = kept.collect();
-    for node in reduced.get_mut("nodes").and_then(Value::as_array_mut).into_iter().flatten() {
-        super::json::remove(node, "camera");
-    }
-    let materials = vec![json!({}); items(tree, "materials").len()];
-    reduced.insert("materials".into(), materials.into());
-    let mut reduced = Value::Object(reduced);
-    write_integers_as_integers(&mut reduced);
-    reduced
-}
-
-/// JSON does not tell 1.0 from 1, and some exporters write all numbers alike; the crate does mind.
-fn write_integers_as_integers(value: &mut Value) {
-    match value {
-        Value::Array(values) => values.iter_mut().for_each(write_integers_as_integers),
-        Value::Object(object) => object.values_mut().for_each(write_integers_as_integers),
-        Value::Number(number) if number.is_f64() => {
-            if let Some(integer) = index(value) {
-                *value = integer.into();
-            }
-        }
-        _ => {}
-    }
 }
 
 fn check_version(tree: &Value) -> Result<(), Error> {
@@ -98,66 +111,172 @@ fn check_version(tree: &Value) -> Result<(), Error> {
     Err(Error::new(ErrorCode::Unsupported, format!("asset.{key}"), message))
 }
 
-/// The crate's own validation looks these indices up before it checks them.
-fn check_unguarded_indices(tree: &Value) -> Result<(), Error> {
-    let count = items(tree, "accessors").len();
-    for (m, mesh) in items(tree, "meshes").iter().enumerate() {
-        for (p, primitive) in items(mesh, "primitives").iter().enumerate() {
-            let place = format!("meshes[{m}].primitives[{p}]");
-            check_accessors(&primitive["attributes"], &format!("{place}.attributes"), count)?;
-            for (t, target) in items(primitive, "targets").iter().enumerate() {
-                check_accessors(target, &format!("{place}.targets[{t}]"), count)?;
+/// How many elements each array of the tree has.
+struct Counts<'v, 'p> {
+    root: &'p Spot<'v, 'p>,
+}
+
+impl Counts<'_, '_> {
+    fn of(&self, list: &str) -> usize {
+        self.root.value.get(list).and_then(Value::as_array).map_or(0, Vec::len)
+    }
+
+    /// The element of `list` that a member of `spot` refers to, if it does.
+    fn reference(&self, spot: &Spot<'_, '_>, key: &str, list: &str) -> Result<Option<usize>, Error> {
+        spot.field(key).map(|field| field.index_of(list, self.of(list))).transpose()
+    }
+
+    /// The elements of `list` that an array refers to.
+    fn references(&self, spot: &Spot<'_, '_>, key: &str, list: &str) -> Result<Vec<usize>, Error> {
+        let count = self.of(list);
+        spot.field(key).map_or(Ok(Vec::new()), |field| field.elements(|element| element.index_of(list, count)))
+    }
+}
+
+fn read_root(root: &Spot<'_, '_>) -> Result<Root, Error> {
+    let counts = Counts { root };
+    list(root, "buffers", |buffer| {
+        buffer.field("byteLength").map_or(Ok(0), |length| length.size())?;
+        match buffer.field("uri") {
+            Some(uri) if !uri.value.is_string() => uri.fail(ErrorCode::Syntax, "must be a string"),
+            _ => Ok(()),
+        }
+    })?;
+    let views = list(root, "bufferViews", |view| read_view(view, &counts))?;
+    let accessors = list(root, "accessors", |accessor| read_accessor(accessor, &counts))?;
+    list(root, "meshes", |mesh| {
+        mesh.required("primitives")?.elements(|primitive| check_primitive(primitive, &counts)).map(|_| ())
+    })?;
+    let skins = list(root, "skins", |skin| {
+        let joints = counts.references(skin, "joints", "nodes")?;
+        let inverse_bind_matrices = counts.reference(skin, "inverseBindMatrices", "accessors")?;
+        Ok(Skin { first_joint: joints.first().copied(), inverse_bind_matrices })
+    })?;
+    let nodes = list(root, "nodes", |node| {
+        Ok(Node {
+            children: counts.references(node, "children", "nodes")?,
+            mesh: counts.reference(node, "mesh", "meshes")?,
+            skin: counts.reference(node, "skin", "skins")?,
+            local: read_local(node)?.map(Box::new),
+        })
+    })?;
+    let scenes = list(root, "scenes", |scene| counts.references(scene, "nodes", "nodes"))?;
+    let scene = counts.reference(root, "scene", "scenes")?;
+    Ok(Root { accessors, views, nodes, scenes, scene, skins, mesh_count: counts.of("meshes") })
+}
+
+/// What `read` makes of each object of an array that may be absent.
+fn list<'v, T>(
+    root: &Spot<'v, '_>,
+    key: &str,
+    mut read: impl FnMut(&Spot<'v, '_>) -> Result<T, Error>,
+) -> Result<Vec<T>, Error> {
+    let Some(field) = root.field(key) else {
+        return Ok(Vec::new());
+    };
+    field.elements(|element| {
+        element.check_object()?;
+        read(element)
+    })
+}
+
+fn read_view(view: &Spot<'_, '_>, counts: &Counts<'_, '_>) -> Result<View, Error> {
+    let stride = view.field("byteStride");
+    Ok(View {
+        buffer: view.required("buffer")?.index_of("buffers", counts.of("buffers"))?,
+        offset: view.field("byteOffset").map_or(Ok(0), |offset| offset.whole())?,
+        length: view.required("byteLength")?.whole()?,
+        stride: match stride.map(|stride| stride.size()).transpose()? {
+            Some(bytes) if !(4..=252).contains(&bytes) => {
+                return view.required("byteStride")?.fail(ErrorCode::Syntax, "must be 4 to 252 bytes");
             }
-        }
+            stride => stride,
+        },
+    })
+}
+
+fn read_accessor(accessor: &Spot<'_, '_>, counts: &Counts<'_, '_>) -> Result<Accessor, Error> {
+    let shape = accessor.required("type")?;
+    let Some(known_shape) = shape.value.as_str().and_then(Shape::of) else {
+        return shape.fail(ErrorCode::Syntax, "has a value that glTF 2.0 does not allow");
+    };
+    let normalized = accessor.field("normalized");
+    let layout = Layout {
+        component: read_component(accessor)?,
+        shape: known_shape,
+        normalized: match normalized.map_or(Some(false), |normalized| normalized.value.as_bool()) {
+            Some(normalized) => normalized,
+            None => return accessor.required("normalized")?.fail(ErrorCode::Syntax, "must be true or false"),
+        },
+    };
+    let sparse = accessor.field("sparse");
+    Ok(Accessor {
+        view: counts.reference(accessor, "bufferView", "bufferViews")?,
+        offset: accessor.field("byteOffset").map_or(Ok(0), |offset| offset.whole())?,
+        layout,
+        count: accessor.required("count")?.whole()?,
+        sparse: sparse.map(|sparse| read_sparse(&sparse, counts)).transpose()?,
+    })
+}
+
+fn read_sparse(sparse: &Spot<'_, '_>, counts: &Counts<'_, '_>) -> Result<Sparse, Error> {
+    let place = |key: &str| {
+        let part = sparse.required(key)?;
+        let view = part.required("bufferView")?.index_of("bufferViews", counts.of("bufferViews"))?;
+        let offset = part.field("byteOffset").map_or(Ok(0), |offset| offset.whole())?;
+        Ok::<_, Error>((view, offset))
+    };
+    let indices = sparse.required("indices")?;
+    let index_component = read_component(&indices)?;
+    if !matches!(index_component, Component::U8 | Component::U16 | Component::U32) {
+        return indices.required("componentType")?.fail(ErrorCode::Syntax, "must be an unsigned integer type");
+    }
+    let count = sparse.required("count")?.whole()?;
+    Ok(Sparse { count, index_component, indices: place("indices")?, values: place("values")? })
+}
+
+fn read_component(holder: &Spot<'_, '_>) -> Result<Component, Error> {
+    let field = holder.required("componentType")?;
+    match Component::of(field.whole()?) {
+        Some(component) => Ok(component),
+        None => field.fail(ErrorCode::Syntax, "has a value that glTF 2.0 does not allow"),
+    }
+}
+
+fn check_primitive(primitive: &Spot<'_, '_>, counts: &Counts<'_, '_>) -> Result<(), Error> {
+    let count = counts.of("accessors");
+    let check_semantics =
+        |semantics: &Spot<'_, '_>| semantics.members(|accessor| accessor.index_of("accessors", count).map(|_| ()));
+    primitive.check_object()?;
+    check_semantics(&primitive.required("attributes")?)?;
+    counts.reference(primitive, "indices", "accessors")?;
+    counts.reference(primitive, "material", "materials")?;
+    if let Some(mode) = primitive.field("mode")
+        && mode.whole()? > 6
+    {
+        return mode.fail(ErrorCode::Syntax, "has a value that glTF 2.0 does not allow");
+    }
+    if let Some(targets) = primitive.field("targets") {
+        targets.elements(|target| check_semantics(target))?;
     }
     Ok(())
 }
 
-fn check_accessors(semantics: &Value, place: &str, count: usize) -> Result<(), Error> {
-    for (name, accessor) in semantics.as_object().into_iter().flatten() {
-        if let Some(accessor) = index(accessor).filter(|&accessor| accessor >= count) {
-            let message = format!("accessor {accessor} does not exist; there are {count}");
-            return Err(Error::new(ErrorCode::OutOfRange, format!("{place}.{name}"), message));
-        }
+/// Single precision, as every renderer has it.
+fn read_local(node: &Spot<'_, '_>) -> Result<Option<Matrix>, Error> {
+    let single = |value: f64| value as f32;
+    if let Some(matrix) = node.field("matrix") {
+        return Ok(Some(matrix.numbers::<16>()?.map(|value| f64::from(single(value)))));
     }
-    Ok(())
-}
-
-fn judge(root: &Root, warnings: &mut Vec<Warning>) -> Result<(), Error> {
-    let mut findings: Vec<(Path, Finding)> = Vec::new();
-    root.validate(root, Path::new, &mut |path, finding| {
-        findings.push((path(), finding));
-    });
-    for (path, finding) in findings {
-        let path = path.as_str().to_owned();
-        let is_missing = matches!(finding, Finding::Missing);
-        if is_repaired(&path, is_missing) {
-            continue;
-        }
-        let (code, reason) = match finding {
-            Finding::IndexOutOfBounds => (ErrorCode::OutOfRange, "refers to something that does not exist"),
-            Finding::Missing => (ErrorCode::Syntax, "is missing"),
-            Finding::Oversize => (ErrorCode::TooLarge, "is larger than memory"),
-            Finding::Unsupported => (ErrorCode::Unsupported, "is not supported"),
-            Finding::Invalid => (ErrorCode::Syntax, "has a value that glTF 2.0 does not allow"),
-        };
-        let top = path.split(['.', '[']).next().unwrap_or_default();
-        if GEOMETRY.contains(&top) && !path.ends_with(".camera") {
-            let name = path.rsplit('.').next().unwrap_or_default().to_owned();
-            return Err(Error::new(code, path, format!("{name} {reason}")));
-        }
-        warnings.push(Warning { code: "schema", message: format!("{reason}; carried through unchanged"), place: path });
+    let [translation, rotation, scale] = ["translation", "rotation", "scale"].map(|key| node.field(key));
+    if translation.is_none() && rotation.is_none() && scale.is_none() {
+        return Ok(None);
     }
-    Ok(())
-}
-
-/// Findings about what was checked already, what may be left out (an accessor without a buffer
-/// view is all zeros), or what the writer replaces.
-fn is_repaired(path: &str, is_missing: bool) -> bool {
-    path.starts_with("extensionsRequired")
-        || path.contains("attributes[\"")
-        || (is_missing && path.starts_with("accessors[") && path.ends_with("].bufferView"))
-        || (path.starts_with("bufferViews[") && path.ends_with(".target"))
+    Ok(Some(compose(
+        translation.map_or(Ok([0.0; 3]), |field| field.numbers())?.map(single),
+        rotation.map_or(Ok([0.0, 0.0, 0.0, 1.0]), |field| field.numbers())?.map(single),
+        scale.map_or(Ok([1.0; 3]), |field| field.numbers())?.map(single),
+    )))
 }
 
 /// A parser's error at the JSON path where it struck, with line and column for an editor.

@@ -4,11 +4,11 @@
 //! animations would refer to a mesh that may not be empty; so one vertex of the original is kept
 //! as a point: the count of triangles stays honest, and what is left looks like a speck.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
-use super::accessor::Layout;
 use super::column::{Column, Content};
-use super::json::{items, items_mut, remove, remove_extension, text, uint};
+use super::json::{items, items_mut, object, remove, remove_extension, text, uint};
+use super::layout::Layout;
 use super::schema::{DRACO_EXTENSION, MESHOPT_EXTENSIONS};
 use super::{GltfSource, SetSource, container, json as tree_json, pack, usage};
 use crate::document::lookup::image_type;
@@ -205,7 +205,7 @@ impl<'m> Columns<'_, 'm> {
             self.free[old] = false;
             return old;
         }
-        let mut new = json!({});
+        let mut new = object(Vec::new());
         if let Some(old) = old.and_then(|old| items(self.tree, "accessors").get(old)) {
             for key in ["name", "bufferView", "byteOffset", "componentType", "normalized", "type"] {
                 if let Some(value) = old.get(key) {
@@ -222,7 +222,7 @@ impl<'m> Columns<'_, 'm> {
 /// The array under `key`, made if need be.
 pub(super) fn array<'t>(tree: &'t mut Value, key: &str) -> &'t mut Vec<Value> {
     if !tree[key].is_array() {
-        tree[key] = json!([]);
+        tree[key] = Value::Array(Vec::new());
     }
     match &mut tree[key] {
         Value::Array(values) => values,

@@ -4,7 +4,7 @@
 //! Elements come in the order of the wedges and triangles in their own order, so reading the text
 //! again gives the same triangles, corner for corner and bit for bit.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::document::color::to_srgb;
 use crate::document::flat::{color, normal, texcoord};
@@ -226,8 +226,8 @@ struct Names<'a> {
     material: Option<&'a str>,
     /// An unnamed object would merge with others.
     has_several_instances: bool,
-    /// Which instance and label each written object name belongs to.
-    owners: BTreeMap<String, (usize, &'a str)>,
+    /// The object names that were written.
+    taken: BTreeSet<String>,
     /// The name of each instance and label.
     given: BTreeMap<(usize, &'a str), String>,
     /// The suffix to try next, by label.
@@ -241,7 +241,7 @@ impl<'a> Names<'a> {
             group: None,
             material: None,
             has_several_instances: layout.instances.len() > 1,
-            owners: BTreeMap::new(),
+            taken: BTreeSet::new(),
             given: BTreeMap::new(),
             suffixes: BTreeMap::new(),
         }
@@ -273,12 +273,12 @@ impl<'a> Names<'a> {
             return name.clone();
         }
         let mut name = label.to_owned();
-        while self.owners.contains_key(&name) {
+        while self.taken.contains(&name) {
             let suffix = self.suffixes.entry(label).or_insert(1);
             *suffix += 1;
             name = format!("{label}_{suffix}");
         }
-        self.owners.insert(name.clone(), (instance, label));
+        self.taken.insert(name.clone());
         self.given.insert((instance, label), name.clone());
         name
     }
