@@ -37,7 +37,7 @@ enum Stage {
     /// Reading the collapses.
     Reading(History),
     /// Making the next segment, with room for a table.
-    Making(History, Vec<u32>, Making),
+    Making(Box<(History, Vec<u32>, Making)>),
     Done,
 }
 
@@ -86,16 +86,21 @@ impl Levels {
             Stage::Reading(mut history) => {
                 self.stage = match history.step(&source, work) {
                     true => Stage::Reading(history),
-                    false => Stage::Making(history, Vec::new(), Making::new(range_after(sequence, 0), None)),
+                    false => {
+                        let making = Making::new(range_after(sequence, 0), None);
+                        Stage::Making(Box::new((history, Vec::new(), making)))
+                    }
                 };
                 work.min(all)
             }
-            Stage::Making(history, mut numbers, mut making) if !making.is_done() => {
-                let done = making.step(&source, &history, &mut numbers, work);
-                self.stage = Stage::Making(history, numbers, making);
+            Stage::Making(mut parts) if !parts.2.is_done() => {
+                let (history, numbers, making) = &mut *parts;
+                let done = making.step(&source, history, numbers, work);
+                self.stage = Stage::Making(parts);
                 done
             }
-            Stage::Making(history, numbers, making) => {
+            Stage::Making(parts) => {
+                let (history, numbers, making) = *parts;
                 let mut segment = making.take();
                 let next = segment.finish(&source);
                 let (end, done) = (segment.end(), next.level.mesh.triangles.len());
@@ -103,7 +108,8 @@ impl Levels {
                 self.stage = if end == all {
                     Stage::Done
                 } else {
-                    Stage::Making(history, numbers, Making::new(range_after(sequence, end), Some(next)))
+                    let making = Making::new(range_after(sequence, end), Some(next));
+                    Stage::Making(Box::new((history, numbers, making)))
                 };
                 done
             }
