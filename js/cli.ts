@@ -7,12 +7,13 @@ import { HELP, readArguments, usage, type Command, type Job } from './cli/argume
 import { readInput } from './cli/input.js';
 import { checkWritable, makeDirectory, outputFormat, pathIn, refuseInputs, writeWhole } from './cli/output.js';
 import { ProgressLine, errorLine, resultLine, warningLine } from './cli/text.js';
-import { openFiles } from './document.js';
+import { openFiles, type Document, type Written } from './document.js';
 import { init } from './engine.js';
 import { usualFormat } from './formats.js';
 import { DecimeshError, errorToData, type ErrorData } from './errors.js';
 import type { Report } from './report.js';
-import type { Warning } from './types.js';
+import { screenCoverages } from './screen.js';
+import type { OutputFormat, Warning } from './types.js';
 
 /** In place of a report, for a file among several that failed. */
 interface FailedReport {
@@ -57,9 +58,9 @@ async function main(): Promise<number> {
 }
 
 /** What can be known to be wrong about the outputs before anything is read. */
-function checkOutputs({ inputs, output, directory }: Job): void {
+function checkOutputs({ inputs, output, directory, lods }: Job): void {
   if (output !== undefined) {
-    outputFormat(output);
+    if (outputFormat(output) !== 'glb' && lods !== undefined) throw usage('--lods', 'only .glb holds several levels; use -d for a file each');
     refuseInputs(output, inputs);
   }
   if (directory === undefined) return;
@@ -107,10 +108,14 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
   const document = openFiles(input.files);
   const read = performance.now() - start;
   try {
-    const { output: named, directory, options, json, measure } = job;
-    const format = named === undefined ? usualFormat(document.summary.format) : outputFormat(named);
-    const output = named ?? (directory === undefined ? undefined : pathIn(directory, path, format));
-    if (output !== undefined) {
+    const { output: named, directory, options, json, measure, size, lods } = job;
+    const oneFile = directory === undefined;
+    const usual = lods !== undefined && oneFile ? 'glb' : usualFormat(document.summary.format);
+    const format = named === undefined ? usual : outputFormat(named);
+    const levels = lods === undefined || oneFile ? [undefined] : lods.map((_, level) => level);
+    const outputs = levels.map((level) => named ?? (directory === undefined ? undefined : pathIn(directory, path, format, level)));
+    for (const output of outputs) {
+      if (output === undefined) continue;
       refuseInputs(output, job.inputs);
       checkWritable(output);
     }
@@ -118,20 +123,25 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
       ...options,
       onProgress: (fraction) => progress.show(`${label}: ${Math.floor(100 * fraction)} %`),
     });
-    if (measure) {
-      await document.measure({
-        onProgress: (fraction) => progress.show(`${label}: measuring, ${Math.floor(100 * fraction)} %`),
-      });
-    }
+    const onMeasured = (fraction: number): void => progress.show(`${label}: measuring, ${Math.floor(100 * fraction)} %`);
+    // Which level it will be is known when the size is.
+    if (measure && size === undefined) await document.measure({ onProgress: onMeasured });
     const start = performance.now();
-    const written = await document.write({ format });
-    if (output !== undefined) writeWhole(output, written.bytes);
+    const written = lods !== undefined && !oneFile
+      ? await writeLevels(document, lods, format, outputs)
+      : await document.write({ format, size, lods });
+    if (lods === undefined || oneFile) {
+      const [output] = outputs;
+      if (output !== undefined) writeWhole(output, written.bytes);
+    }
     const write = performance.now() - start;
+    const deviation = measure && size !== undefined ? await document.measure({ onProgress: onMeasured }) : written.report.deviation;
     const warnings = [...input.warnings, ...written.report.warnings];
     const report: Report = {
       ...written.report,
       input: { ...written.report.input, path },
-      output: { ...written.report.output, path: output ?? null },
+      output: { ...written.report.output, path: outputs[0] ?? null },
+      deviation,
       timings: { ...written.report.timings, read, write },
       warnings,
     };
@@ -142,6 +152,36 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
   } finally {
     document.dispose();
   }
+}
+
+/** Writes each level to a file of its own, when all of them are there; the first one's report has them all. */
+async function writeLevels(
+  document: Document,
+  ratios: readonly number[],
+  format: OutputFormat,
+  outputs: ReadonlyArray<string | undefined>,
+): Promise<Written> {
+  const files: Written[] = [];
+  for (const ratio of ratios) {
+    await document.level({ ratio });
+    files.push(await document.write({ format }));
+  }
+  for (const [index, { bytes }] of files.entries()) {
+    const output = outputs[index];
+    if (output !== undefined) writeWhole(output, bytes);
+  }
+  const errors = files.map(({ report }) => report.estimatedError);
+  const coverages = screenCoverages(errors, document.summary.diagonal);
+  const lods = files.map(({ report: { output, estimatedError } }, index) => ({
+    triangles: output.triangles,
+    vertices: output.vertices,
+    estimatedError,
+    screenCoverage: coverages[index] as number,
+    path: outputs[index] ?? null,
+    bytes: output.bytes,
+  }));
+  const [first] = files as [Written];
+  return { ...first, report: { ...first.report, lods } };
 }
 
 function tellWarnings(warnings: readonly Warning[], path: string): void {

@@ -13,19 +13,24 @@ import {
   hasTarget,
   resolveRequest,
   resolveTargets,
+  type SimplifyRequest,
 } from './options.js';
-import { makeReport, type Deviation, type Report } from './report.js';
+import { packLods } from './lods.js';
+import { makeReport, type Deviation, type Report, type ReportedLod } from './report.js';
 import { Turn, runInSteps } from './run.js';
+import { screenCoverages } from './screen.js';
+import { findSize } from './size.js';
 import type {
   DocumentInput,
   DocumentSimplifyOptions,
   DocumentSummary,
   LevelGeometry,
   LevelSummary,
+  LevelTargets,
+  LodSwitch,
   MeasureOptions,
   OutputFormat,
   RunOptions,
-  Targets,
   Warning,
   WriteOptions,
 } from './types.js';
@@ -79,6 +84,9 @@ export function externalFiles(bytes: Uint8Array): string[] {
   return JSON.parse(callEngine((engine) => engine.externalFiles(bytes))) as string[];
 }
 
+/** A chain of more levels than there are octaves of triangles is a mistake. */
+const MOST_LODS = 32;
+
 /** Long work that the engine does in steps. */
 interface EngineRun {
   begin(model: Model): void;
@@ -129,7 +137,9 @@ export class Document {
    */
   async simplify(options: DocumentSimplifyOptions & RunOptions = {}): Promise<LevelSummary> {
     checkNames(options, [...DOCUMENT_SIMPLIFY_NAMES, ...RUN_NAMES]);
-    const request = { everyLevel: !hasTarget(options), ...resolveRequest(options, this.summary) };
+    const request: SimplifyRequest = { everyLevel: !hasTarget(options), ...resolveRequest(options, this.summary) };
+    // Where every level counts, others will be asked for, and are to be there at once.
+    request.indexLevels = request.everyLevel === true && request.keepLevels !== true;
     this.#model.check();
     return this.#simplifying.take(options.signal, async () => {
       const start = performance.now();
@@ -203,12 +213,18 @@ export class Document {
 
   /**
    * Selects a level of the last simplification, without simplifying again: at most so many triangles, or an error not
-   * above the given one, or full detail for `{}`. Beyond the last recorded level it gives that one.
+   * above the given one, in model units or pixels, or full detail for `{}`. Beyond the last recorded level it gives
+   * that one. The first level that is neither full detail nor the last takes longer if the run was to one target.
    *
-   * Rejects with `wrong-state` before the first simplification.
+   * Rejects with `wrong-state` before the first simplification, and with the signal's reason.
    */
-  async level(targets: Targets): Promise<LevelSummary> {
+  async level(targets: LevelTargets, options: RunOptions = {}): Promise<LevelSummary> {
+    checkNames(options, RUN_NAMES);
+    checkSignal(options.signal);
     const { triangles, error } = resolveTargets(targets, this.summary);
+    if (!this.#model.call((model) => model.levelAtHand(triangles, error))) {
+      await runInSteps((work) => this.#model.call((model) => model.prepareLevels(work)), options);
+    }
     if (!this.#recorded) this.#forgetLevel();
     this.#recorded = true;
     return this.#take((model) => model.selectLevel(triangles, error));
@@ -251,20 +267,79 @@ export class Document {
   }
 
   /**
-   * Writes the selected level; full detail before the first simplification.
+   * Writes the selected level, full detail before the first simplification; with `size` the largest recorded level that
+   * fits, with `lods` a chain of them. The level written, of a chain the first, is the selected one afterwards.
    *
-   * Rejects with `invalid-argument` for an unknown format and `unsupported` for an encoding that is still to come.
+   * Rejects with `invalid-argument` for an unknown format, for `lods` in another format than GLB, and for `size` beside
+   * `lods`; with `unsupported` for an encoding that is still to come; with `wrong-state` for `size` and `lods` before the
+   * first simplification.
    */
   async write(options: WriteOptions = {}): Promise<Written> {
     const format = checkWriteOptions(options, this.summary);
     const start = performance.now();
-    const bytes = this.#model.call((model) => model.write(format)) as Uint8Array<ArrayBuffer>;
+    const chain = options.lods && (await this.#writeChain(options.lods, options.lodSwitch));
+    const bytes =
+      chain?.bytes ?? (options.size === undefined ? await this.#encode(format) : await this.#writeWithin(options.size, format));
     const { deviation, milliseconds: measure = 0 } = this.#measured ?? {};
     const timings = { ...this.#timings, write: performance.now() - start, measure };
     const output = { format, bytes: bytes.byteLength };
     const losses = JSON.parse(this.#model.call((model) => model.losses(format))) as Warning[];
-    const parts = { summary: this.summary, level: this.#level, deviation, output, timings, losses };
+    if (options.size !== undefined && bytes.byteLength > options.size) {
+      const message = `the smallest recorded level takes ${bytes.byteLength} bytes`;
+      losses.push({ code: 'size-not-reached', message, where: '' });
+    }
+    const parts = { summary: this.summary, level: this.#level, deviation, output, timings, losses, lods: chain?.lods };
     return { bytes, report: makeReport(parts) };
+  }
+
+  /** The selected level as the bytes of a file. Everything that is written comes from here. */
+  async #encode(format: OutputFormat): Promise<Uint8Array<ArrayBuffer>> {
+    return this.#model.call((model) => model.write(format)) as Uint8Array<ArrayBuffer>;
+  }
+
+  async #writeWithin(limit: number, format: OutputFormat): Promise<Uint8Array<ArrayBuffer>> {
+    const { triangles: most, wedgeSets } = this.summary;
+    // Numbers of four bytes for every vertex, and half of the indices in two.
+    const vertexBytes = wedgeSets.map(({ vertices, attributes }) =>
+      attributes.reduce((sum, { components }) => sum + 4 * components, 12) * vertices);
+    const bytesPerTriangle = vertexBytes.reduce((sum, bytes) => sum + bytes, 0) / most + 9;
+    const { triangles: least } = await this.level({ triangles: 0 });
+    const found = await findSize(limit, { least, most, bytesPerTriangle }, async (wanted) => {
+      const { triangles } = await this.level(wanted >= most ? {} : { triangles: wanted });
+      const output = await this.#encode(format);
+      return { triangles, bytes: output.byteLength, output };
+    });
+    // The last one that was tried need not be the one that fits.
+    await this.level({ triangles: found.bytes > limit ? 0 : found.triangles });
+    return found.output;
+  }
+
+  async #writeChain(
+    wanted: NonNullable<WriteOptions['lods']>,
+    lodSwitch: LodSwitch | undefined,
+  ): Promise<{ bytes: Uint8Array<ArrayBuffer>; lods: ReportedLod[] }> {
+    const targets = wanted.map((target) => (typeof target === 'number' ? { ratio: target } : target));
+    const levels = new Map<number, { level: LevelSummary; targets: LevelTargets }>();
+    for (const target of targets) {
+      const level = await this.level(target);
+      // What the constraints do not allow is the same level once more.
+      if (!levels.has(level.triangles)) levels.set(level.triangles, { level, targets: target });
+    }
+    const chain = [...levels.values()].sort((a, b) => b.level.triangles - a.level.triangles);
+    const coverages = screenCoverages(chain.map(({ level }) => level.estimatedError), this.summary.diagonal, lodSwitch);
+    const files: Uint8Array[] = [];
+    // The first one last: it stays selected.
+    for (const { targets: target } of [...chain].reverse()) {
+      await this.level(target);
+      files.unshift(await this.#encode('glb'));
+    }
+    const lods = chain.map(({ level }, index) => ({
+      triangles: level.triangles,
+      vertices: level.vertices,
+      estimatedError: level.estimatedError,
+      screenCoverage: coverages[index] as number,
+    }));
+    return { bytes: packLods(files, coverages), lods };
   }
 
   /** Frees the document's memory; what runs rejects with `disposed`. May be called twice. */
@@ -279,8 +354,19 @@ export class Document {
 }
 
 function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): OutputFormat {
-  checkNames(options, ['format', 'compress']);
-  const { format = usualFormat(summary.format), compress = 'none' } = options;
+  checkNames(options, ['format', 'compress', 'size', 'lods', 'lodSwitch']);
+  const { size, lods, compress = 'none' } = options;
+  const { format = lods === undefined ? usualFormat(summary.format) : 'glb' } = options;
+  if (size !== undefined && (typeof size !== 'number' || !(size > 0))) {
+    throw invalidArgument('size', 'must be a number of bytes above 0');
+  }
+  if (lods !== undefined) {
+    if (!Array.isArray(lods) || lods.length < 2 || lods.length > MOST_LODS) {
+      throw invalidArgument('lods', `must be a list of 2 to ${MOST_LODS} levels`);
+    }
+    if (format !== 'glb') throw invalidArgument('lods', "need the format 'glb'");
+    if (size !== undefined) throw invalidArgument('size', 'cannot be asked of a chain of levels');
+  }
   if (!isOutputFormat(format)) throw invalidArgument('format', `must be one of ${OUTPUT_FORMATS.join(', ')}`);
   if (compress !== 'none') {
     throw new DecimeshError('unsupported', `compression '${String(compress)}' is not supported yet`, 'compress');

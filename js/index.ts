@@ -6,7 +6,7 @@ export { PRESETS } from './options.js';
 export { openDocument, externalFiles, type Document, type Written } from './document.js';
 export { simplify, simplifySequence, type MeshSequence } from './simplify.js';
 export { DecimeshError, type EngineErrorCode, type ErrorCode, type HostErrorCode } from './errors.js';
-export type { Deviation, Report, ReportedFile, SideDeviation, Timings } from './report.js';
+export type { Deviation, Report, ReportedFile, ReportedLod, SideDeviation, Timings } from './report.js';
 export type {
   AttributeArray,
   DocumentInput,
@@ -17,6 +17,8 @@ export type {
   GroupSummary,
   LevelGeometry,
   LevelSummary,
+  LevelTargets,
+  LodSwitch,
   MeasureOptions,
   MeshAttributes,
   MeshInput,
@@ -24,6 +26,7 @@ export type {
   OutputFormat,
   Preset,
   RunOptions,
+  ScreenView,
   SimplifiedMesh,
   SimplifyOptions,
   StopReason,

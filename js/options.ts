@@ -1,7 +1,11 @@
 // Checks the options of a simplification, and turns targets into a triangle count and an error in model units.
 
+import { checkNames } from './check.js';
 import { invalidArgument } from './errors.js';
-import type { DocumentSimplifyOptions, MeasureOptions, Preset, RunOptions, Targets } from './types.js';
+import { errorOfPixels } from './screen.js';
+import type { DocumentSimplifyOptions, LevelTargets, MeasureOptions, Preset, RunOptions, Targets } from './types.js';
+
+export { checkNames };
 
 /** What targets refer to. */
 export interface Scale {
@@ -26,6 +30,7 @@ export interface SimplifyRequest extends ResolvedTargets {
   preset?: Preset;
   everyLevel?: boolean;
   keepLevels?: boolean;
+  indexLevels?: boolean;
 }
 
 /** The presets, from the fastest to the best. */
@@ -42,18 +47,16 @@ export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'e
 /** Names of {@link RunOptions}. */
 export const RUN_NAMES: readonly string[] = ['onProgress', 'signal'];
 
-/** Throws `invalid-argument` unless `options` is an object with no other names than `names`. */
-export function checkNames(options: unknown, names: readonly string[], what = 'options'): void {
-  if (typeof options !== 'object' || options === null) throw invalidArgument(what, 'must be an object');
-  for (const name of Object.keys(options)) {
-    if (!names.includes(name)) throw invalidArgument(name, `unknown option; known are ${names.join(', ')}`);
-  }
-}
-
 /** Checks `options` of a level, against what the targets refer to. */
-export function resolveTargets(options: Targets, scale: Scale): ResolvedTargets {
-  checkNames(options, TARGETS);
-  return targetsOf(options, scale);
+export function resolveTargets(options: LevelTargets, scale: Scale): ResolvedTargets {
+  checkNames(options, [...TARGETS, 'pixels', 'view']);
+  const { pixels, view, ...others } = options;
+  const targets = targetsOf(others, scale);
+  if (pixels !== undefined) {
+    const error = errorOfPixels(pixels, view, scale.diagonal);
+    targets.error = Math.min(error, targets.error ?? error);
+  }
+  return targets;
 }
 
 /** Whether `value` names a preset. */

@@ -48,6 +48,20 @@ export interface Timings {
   readonly measure: number;
 }
 
+/** A level of a chain in a report. */
+export interface ReportedLod {
+  readonly triangles: number;
+  readonly vertices: number;
+  /** Estimated deviation from the original, model units. */
+  readonly estimatedError: number;
+  /** The smallest share of the picture's area, 0 to 1, that the model may cover for this level to be shown. */
+  readonly screenCoverage: number;
+  /** Of a level in a file of its own. */
+  readonly path?: string | null;
+  /** Of a level in a file of its own. */
+  readonly bytes?: number;
+}
+
 /** What `--json` prints and `Document.write` returns; lengths in model units. */
 export interface Report {
   readonly input: ReportedFile;
@@ -60,6 +74,8 @@ export interface Report {
   readonly deviation: Deviation | null;
   readonly timings: Timings;
   readonly warnings: readonly Warning[];
+  /** The levels of a chain, the finest first, of which `output` counts the first. Only where a chain was written. */
+  readonly lods?: readonly ReportedLod[];
 }
 
 /** What a report is made from. */
@@ -73,10 +89,12 @@ export interface ReportParts {
   readonly timings: Timings;
   /** What the output format cannot hold. */
   readonly losses: readonly Warning[];
+  /** Undefined without a chain. */
+  readonly lods?: readonly ReportedLod[] | undefined;
 }
 
 /** Puts a report together; both paths are null, for the caller to fill in. */
-export function makeReport({ summary, level, deviation, output, timings, losses }: ReportParts): Report {
+export function makeReport({ summary, level, deviation, output, timings, losses, lods }: ReportParts): Report {
   const { format, bytes, triangles, vertices, meshes, warnings } = summary;
   return {
     input: { path: null, format, bytes, triangles, vertices, meshes },
@@ -93,5 +111,6 @@ export function makeReport({ summary, level, deviation, output, timings, losses 
     deviation: deviation ?? null,
     timings,
     warnings: [...warnings, ...losses],
+    ...(lods === undefined ? {} : { lods }),
   };
 }

@@ -13,7 +13,7 @@ import {
   type SimplifyRequest,
 } from './options.js';
 import { runInSteps, runToEnd, type TimeLimit } from './run.js';
-import type { LevelSummary, MeshInput, RunOptions, SimplifiedMesh, SimplifyOptions, Targets } from './types.js';
+import type { LevelSummary, LevelTargets, MeshInput, RunOptions, SimplifiedMesh, SimplifyOptions } from './types.js';
 import type { Model } from './wasm/decimesh.js';
 
 /**
@@ -79,7 +79,7 @@ export class MeshSequence {
    *
    * Throws `invalid-argument` naming the target, `disposed` after {@link dispose}.
    */
-  level(targets: Targets): SimplifiedMesh {
+  level(targets: LevelTargets): SimplifiedMesh {
     return this.#run.level(resolveTargets(targets, this.#run.scale));
   }
 

@@ -101,6 +101,27 @@ export interface Targets {
   readonly error?: number | `${number}%` | undefined;
 }
 
+/** From where a model is looked at, to turn an error into pixels. */
+export interface ScreenView {
+  /** From the eye to the model's centre, model units, > 0. Default: where the model's bounding sphere just fits. */
+  readonly distance?: number | undefined;
+  /** Vertical angle of view in degrees, above 0 and below 180. Default 45. */
+  readonly fieldOfView?: number | undefined;
+  /** Height of the picture in pixels, > 0. Default 1080. */
+  readonly viewportHeight?: number | undefined;
+}
+
+/** Which of the recorded levels; of several targets, the first that is reached. */
+export interface LevelTargets extends Targets {
+  /**
+   * Largest estimated deviation as it appears on the screen, in pixels ≥ 0, when the model is looked at as `view` says:
+   * an error of e model units takes e · viewportHeight / (2 · distance · tan(fieldOfView / 2)) pixels.
+   */
+  readonly pixels?: number | undefined;
+  /** What `pixels` refers to; without them it has no effect. */
+  readonly view?: ScreenView | undefined;
+}
+
 /** How to simplify. */
 export interface SimplifyOptions extends Targets {
   /** Open borders do not move. Default false. */
@@ -159,6 +180,28 @@ export interface WriteOptions {
   readonly format?: OutputFormat | undefined;
   /** Only `'none'` (default) is supported yet. */
   readonly compress?: 'none' | undefined;
+  /**
+   * The largest the output may be, bytes > 0: selects and writes the largest recorded level that fits, or the smallest
+   * there is, with the stop reason it has. Encodes at most four times. Needs a simplification whose levels all count.
+   */
+  readonly size?: number | undefined;
+  /**
+   * A chain of at least two recorded levels in one GLB, by MSFT_lod, the finest first. A number is a `ratio`. Vertices
+   * that a level has in common with the first, as all are where `placement` is `'subset'`, are stored once.
+   */
+  readonly lods?: ReadonlyArray<number | LevelTargets> | undefined;
+  /** When a chain is to switch. */
+  readonly lodSwitch?: LodSwitch | undefined;
+}
+
+/** When a level takes over from the finer one: where its error appears as small as this. */
+export interface LodSwitch {
+  /** Pixels that the estimated error may take, > 0. Default 1. */
+  readonly pixels?: number | undefined;
+  /** Height of the picture in pixels, > 0. Default 1080. */
+  readonly viewportHeight?: number | undefined;
+  /** Width of the picture by its height, > 0. Default 16/9. */
+  readonly aspectRatio?: number | undefined;
 }
 
 /** The vertices of a level that some groups share. */

@@ -5,16 +5,21 @@
 mod blend;
 mod history;
 mod levels;
+mod making;
 mod once;
 mod segment;
 mod versions;
 
 pub use levels::Levels;
 
+use std::sync::Arc;
+
 use crate::collapse_sequence::CollapseSequence;
 use crate::mesh::Mesh;
+use crate::mesh::weld::NO_VERTEX;
 use history::History;
-use segment::{Segment, Source, is_plain};
+use making::Making;
+use segment::{Source, is_plain};
 
 /// Which level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,8 +60,17 @@ pub fn extract(mesh: &Mesh, sequence: &CollapseSequence, level: Level) -> LevelM
     let count = collapse_count(sequence, level);
     let source = Source { mesh, sequence, plain: is_plain(sequence) };
     once::extract(&source, count).unwrap_or_else(|| {
-        let history = History::new(&source, count);
-        let mut segment = Segment::new(&source, &history, (0, count), None, &mut Vec::new());
-        segment.finish(&source).level
+        let history = History::whole(&source, count);
+        let mut segment = Making::whole(&source, &history, (0, count));
+        let level = segment.finish(&source).level;
+        Arc::try_unwrap(level).unwrap_or_else(|shared| shared.as_ref().clone())
     })
+}
+
+/// Whether the mesh itself is the level [`Level::Full`]: every triangle counts, and every wedge is in use.
+#[must_use]
+pub fn is_whole(mesh: &Mesh, sequence: &CollapseSequence) -> bool {
+    sequence.initial_triangle_count == mesh.triangles.len()
+        && !sequence.vertex_of_wedge.contains(&NO_VERTEX)
+        && (sequence.fitted.is_empty() || !sequence.collapses.is_empty())
 }

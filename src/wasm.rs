@@ -6,6 +6,8 @@
 
 #![allow(unreachable_pub, reason = "wasm_bindgen exports what is pub in this private module")]
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use wasm_bindgen::prelude::*;
 
@@ -84,6 +86,7 @@ struct SimplifyRequest {
     preset: Option<String>,
     every_level: bool,
     keep_levels: bool,
+    index_levels: bool,
 }
 
 impl SimplifyRequest {
@@ -247,18 +250,25 @@ impl Source {
 
 /// A simplification under way.
 struct Run {
-    simplifier: Simplifier,
+    /// Until its result is there.
+    simplifier: Option<Simplifier>,
+    /// The result, while its index is made.
+    recorded: Option<Recorded>,
     /// As in [`SimplifyOptions`].
     max_error: f32,
     /// Whether the former record stays beside the result.
     keep_levels: bool,
+    /// Whether the index of all levels is part of the run.
+    index_levels: bool,
 }
 
 /// What a simplification gave.
 struct Recorded {
     sequence: CollapseSequence,
-    /// The index of the sequence, made when a level other than the last is asked for.
-    levels: Option<Levels>,
+    /// The index of the sequence, made when a level between the first and the last is asked for, or before.
+    levels: Levels,
+    /// Full detail is the mesh itself.
+    is_whole: bool,
     /// The limit that every collapse kept to.
     max_error: f32,
 }
@@ -271,7 +281,7 @@ pub struct Model {
     record: Option<Recorded>,
     /// The result of a run that kept the record, until a level of it is selected.
     result: Option<Recorded>,
-    level: Option<LevelMesh>,
+    level: Option<Arc<LevelMesh>>,
     measuring: Option<DeviationMeter>,
 }
 
@@ -385,7 +395,9 @@ impl Model {
         let request: SimplifyRequest = parse(options, "options")?;
         let options = request.options(self.mesh()).map_err(thrown)?;
         let simplifier = Simplifier::new(self.mesh(), &options).map_err(thrown)?;
-        self.running = Some(Run { simplifier, max_error: options.max_error, keep_levels: request.keep_levels });
+        let SimplifyRequest { keep_levels, index_levels, .. } = request;
+        let max_error = options.max_error;
+        self.running = Some(Run { simplifier: Some(simplifier), recorded: None, max_error, keep_levels, index_levels });
         Ok(())
     }
 
@@ -393,19 +405,32 @@ impl Model {
     pub fn step(&mut self, work: f64) -> Result<f32, JsValue> {
         let Self { source, running, .. } = self;
         let run = running.as_mut().ok_or_else(not_simplifying)?;
-        let progress = run.simplifier.step(source.mesh(), work.clamp(1.0, 1e9) as usize);
-        if !progress.done {
-            return Ok(progress.fraction.min(0.999));
+        let share = if run.index_levels { SIMPLIFYING_SHARE } else { 1.0 };
+        let mesh = source.mesh();
+        let fraction = match (&mut run.simplifier, &mut run.recorded) {
+            (Some(simplifier), _) => {
+                let progress = simplifier.step(mesh, work.clamp(1.0, 1e9) as usize);
+                if progress.done {
+                    run.take_result(mesh);
+                }
+                if progress.done && !run.index_levels { 1.0 } else { share * progress.fraction.min(0.999) }
+            }
+            (None, Some(recorded)) => share + (1.0 - share) * recorded.prepare(mesh, work),
+            (None, None) => 1.0,
+        };
+        if fraction >= 1.0 {
+            self.finish();
         }
-        self.finish();
-        Ok(1.0)
+        Ok(fraction)
     }
 
     /// Ends a running simplification for want of time; what was done so far is the result.
     #[wasm_bindgen(js_name = stopSimplify)]
     pub fn stop_simplify(&mut self) -> Result<(), JsValue> {
         let Self { source, running, .. } = self;
-        running.as_mut().ok_or_else(not_simplifying)?.simplifier.stop(source.mesh());
+        if let Some(simplifier) = &mut running.as_mut().ok_or_else(not_simplifying)?.simplifier {
+            simplifier.stop(source.mesh());
+        }
         self.finish();
         Ok(())
     }
@@ -423,6 +448,22 @@ impl Model {
         self.record.is_some()
     }
 
+    /// Whether [`Model::select_level`] for these takes no longer than the level does; if not, it makes the index of all
+    /// levels at once, and [`Model::prepare_levels`] does so in steps.
+    #[wasm_bindgen(js_name = levelAtHand)]
+    pub fn level_at_hand(&self, triangles: Option<f64>, error: Option<f64>) -> Result<bool, JsValue> {
+        let record = self.record.as_ref().ok_or_else(not_simplified)?;
+        let count = record.collapse_count(record.targets(triangles, error));
+        Ok(record.levels.is_done() || count == 0 || count == record.sequence.collapses.len())
+    }
+
+    /// Does about `work` units of the index of all levels and returns the fraction done, exactly 1 when it is there.
+    #[wasm_bindgen(js_name = prepareLevels)]
+    pub fn prepare_levels(&mut self, work: f64) -> Result<f32, JsValue> {
+        let Self { source, record, .. } = self;
+        Ok(record.as_mut().ok_or_else(not_simplified)?.prepare(source.mesh(), work))
+    }
+
     /// Selects the level of the record of at most `triangles`, or of at most `error` (world units), or both, or
     /// full detail if neither is given. Returns a JSON summary of it.
     #[wasm_bindgen(js_name = selectLevel)]
@@ -432,7 +473,7 @@ impl Model {
         let Self { source, record, .. } = self;
         let record = record.as_mut().ok_or_else(not_simplified)?;
         let (level, summary) = extract_level(source.mesh(), record, triangles, error);
-        self.level = Some(level);
+        self.level = level;
         to_json(&summary)
     }
 
@@ -443,7 +484,7 @@ impl Model {
             return self.select_level(triangles, error);
         };
         let (level, summary) = extract_level(self.mesh(), &mut result, triangles, error);
-        self.level = Some(level);
+        self.level = level;
         to_json(&summary)
     }
 
@@ -552,8 +593,9 @@ impl Model {
 
     /// Takes over the result of the run that is done.
     fn finish(&mut self) {
-        let Some(Run { simplifier, max_error, keep_levels }) = self.running.take() else { return };
-        let recorded = Recorded { sequence: simplifier.finish(), levels: None, max_error };
+        let Some(mut run) = self.running.take() else { return };
+        run.take_result(self.mesh());
+        let Run { recorded: Some(recorded), keep_levels, .. } = run else { return };
         if keep_levels && self.record.is_some() {
             self.result = Some(recorded);
         } else {
@@ -568,45 +610,93 @@ impl Model {
     }
 }
 
-/// The level of `record` for targets as [`Model::select_level`] takes them.
+/// Entries of the index's tables that take about as long as a unit of a simplification.
+const ENTRIES_PER_UNIT: f64 = 50.0;
+
+impl Run {
+    /// The result of what was done so far, in the place of the simplifier.
+    fn take_result(&mut self, mesh: &Mesh) {
+        if let Some(simplifier) = self.simplifier.take() {
+            self.recorded = Some(Recorded::new(mesh, simplifier, self.max_error));
+        }
+    }
+}
+
+/// Of a run that makes the index too, the share of the time before that.
+const SIMPLIFYING_SHARE: f32 = 0.9;
+
+impl Recorded {
+    fn new(mesh: &Mesh, simplifier: Simplifier, max_error: f32) -> Self {
+        let sequence = simplifier.finish();
+        let is_whole = lod::is_whole(mesh, &sequence);
+        Self { sequence, levels: Levels::default(), is_whole, max_error }
+    }
+
+    /// Does about `work` units of the index and returns the fraction done, exactly 1 when it is there.
+    fn prepare(&mut self, mesh: &Mesh, work: f64) -> f32 {
+        self.levels.step(mesh, &self.sequence, (work.clamp(1.0, 1e9) * ENTRIES_PER_UNIT) as usize)
+    }
+
+    /// The levels for targets as [`Model::select_level`] takes them.
+    fn targets(&self, triangles: Option<f64>, error: Option<f64>) -> (Option<Level>, Option<Level>) {
+        let by_count = triangles.map(|t| Level::Triangles(t.max(0.0) as usize));
+        let by_error = error.map(|e| match e.max(0.0) as f32 {
+            // The run's own limit: rounding must not leave out what it allowed.
+            limit if limit >= self.max_error => Level::Triangles(0),
+            limit => Level::Error(limit),
+        });
+        (by_count, by_error)
+    }
+
+    /// Collapses to the first of the targets, none without one.
+    fn collapse_count(&self, (by_count, by_error): (Option<Level>, Option<Level>)) -> usize {
+        let counts = by_count.into_iter().chain(by_error).map(|level| lod::collapse_count(&self.sequence, level));
+        counts.min().unwrap_or(0)
+    }
+}
+
+/// The level of `record` for targets as [`Model::select_level`] takes them; nothing for the mesh itself.
 fn extract_level<'a>(
     mesh: &Mesh,
-    Recorded { sequence, levels, max_error }: &'a mut Recorded,
+    record: &'a mut Recorded,
     triangles: Option<f64>,
     error: Option<f64>,
-) -> (LevelMesh, LevelSummary<'a>) {
-    let by_count = triangles.map(|t| Level::Triangles(t.max(0.0) as usize));
-    let by_error = error.map(|e| match e.max(0.0) as f32 {
-        // The run's own limit: rounding must not leave out what it allowed.
-        limit if limit >= *max_error => Level::Triangles(0),
-        limit => Level::Error(limit),
-    });
-    let level = match (by_count, by_error) {
-        (None, None) => Level::Full,
+) -> (Option<Arc<LevelMesh>>, LevelSummary<'a>) {
+    let targets = record.targets(triangles, error);
+    let count = record.collapse_count(targets);
+    let (by_count, by_error) = targets;
+    let Recorded { sequence, levels, is_whole, .. } = record;
+    let all = sequence.collapses.len();
+    let level = match targets {
         (Some(level), None) | (None, Some(level)) => level,
-        (Some(a), Some(b)) if lod::collapse_count(sequence, a) <= lod::collapse_count(sequence, b) => a,
-        (Some(_), Some(b)) => b,
+        (Some(level), Some(_)) if lod::collapse_count(sequence, level) == count => level,
+        (Some(_), Some(level)) => level,
+        (None, None) => Level::Full,
     };
-    // The last level is what a run to a target is for, and often the only one that is wanted.
-    let last = lod::collapse_count(sequence, level) == sequence.collapses.len();
-    let extracted = match levels {
-        None if last => lod::extract(mesh, sequence, level),
-        levels => levels.get_or_insert_with(|| Levels::new(mesh, sequence)).extract(mesh, sequence, level),
+    let extracted = if count == 0 && *is_whole {
+        None
+    } else if count == all && !levels.is_done() {
+        // The last level is what a run to a target is for, and often the only one that is wanted.
+        Some(Arc::new(lod::extract(mesh, sequence, level)))
+    } else {
+        levels.step(mesh, sequence, usize::MAX);
+        Some(levels.extract(mesh, sequence, level))
     };
+    let (level, estimated_error) = extracted.as_ref().map_or((mesh, 0.0), |level| (&level.mesh, level.error));
     let reached = match by_count {
-        Some(Level::Triangles(n)) => extracted.mesh.triangles.len() <= n,
+        Some(Level::Triangles(n)) => level.triangles.len() <= n,
         _ => by_error.is_none(),
     };
-    let held_by_error = by_error.is_some_and(|e| lod::collapse_count(sequence, e) < sequence.collapses.len());
+    let held_by_error = by_error.is_some_and(|e| lod::collapse_count(sequence, e) < all);
     let stop_reason = match (reached, held_by_error) {
         (true, _) => "target",
         (false, true) => "error",
         (false, false) => sequence.stop_reason.as_str(),
     };
     let summary = LevelSummary {
-        triangles: extracted.mesh.triangles.len(),
-        vertices: extracted.mesh.positions.len(),
-        estimated_error: extracted.error,
+        triangles: level.triangles.len(),
+        vertices: level.positions.len(),
+        estimated_error,
         stop_reason,
     };
     (extracted, summary)

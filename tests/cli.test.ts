@@ -235,7 +235,6 @@ describe('wrong usage', () => {
     ['an unknown output format', ['in.glb', '-o', 'out.fbx', '-r', '0.5'], '-o'],
     ['both -o and -d', ['in.glb', '-o', 'out.glb', '-d', 'dir', '-r', '0.5'], '-o, -d'],
     ['several inputs for one output', ['in.glb', 'b.glb', '-o', 'out.glb', '-r', '0.5'], '-o'],
-    ['--size', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--size', '500k'], '--size'],
     ['--lods', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--lods', '0.5,0.25'], '--lods'],
     ['--quantize', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--quantize'], '--quantize'],
     ['--compress meshopt', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--compress', 'meshopt'], '--compress'],

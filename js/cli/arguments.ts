@@ -3,7 +3,7 @@
 import { parseArgs, type ParseArgsConfig } from 'node:util';
 import { DecimeshError } from '../errors.js';
 import { PRESETS, isPreset } from '../options.js';
-import type { SimplifyOptions } from '../types.js';
+import type { DocumentSimplifyOptions, SimplifyOptions } from '../types.js';
 
 /** Files to simplify, and how. */
 export interface Job {
@@ -13,7 +13,11 @@ export interface Job {
   /** At most one of `output` and `directory` is set, and one is unless `json` is. */
   readonly output: string | undefined;
   readonly directory: string | undefined;
-  readonly options: SimplifyOptions;
+  readonly options: DocumentSimplifyOptions;
+  /** The most bytes that the output may have. */
+  readonly size: number | undefined;
+  /** Shares of the triangles of the levels of a chain. */
+  readonly lods: readonly number[] | undefined;
   readonly json: boolean;
   /** Whether the deviation is to be measured. */
   readonly measure: boolean;
@@ -36,6 +40,9 @@ How far (name one; of several, the first that is reached stops):
   -r, --ratio R        keep this share of the triangles, 0 to 1
   -t, --triangles N    at most N triangles in the whole file
   -e, --error E        estimated deviation, 0.1% of the bounding box's diagonal or a number in model units
+  -s, --size BYTES     output at most this large: 500k, 2MB (k is 1000; KiB, MiB: 1024)
+  --lods R,R,…         instead of these, several levels by their share of the triangles: with -o one GLB
+                       that has them all (MSFT_lod), with -d one file each, NAME_LOD0 and so on
 
 How:
   --placement RULE     optimal (default): new vertex positions; subset: only original ones
@@ -53,7 +60,7 @@ Output:
   -h, --help           this text
   --version            the version
 
-Not supported yet: --size, --lods, --quantize, --compress meshopt|draco.
+Not supported yet: --quantize, --compress meshopt|draco.
 
 Exit codes: 0 done, also when a target could not be reached (the report's stopReason says so); 1 a fault of this
 program; 2 wrong usage; 3 unreadable or invalid input; 4 could not write. With many inputs the others go on when one
@@ -111,23 +118,28 @@ export function readArguments(args: readonly string[]): Command {
   for (const [name, value] of Object.entries({ '-o': output, '-d': directory })) {
     if (value === '') throw usage(name, 'must not be empty');
   }
-  return { action: 'simplify', inputs, output, directory, json, measure, options: simplifyOptions(values) };
+  const lods = levelList(values.lods);
+  if (lods !== undefined && measure) throw usage('--measure', 'is of one level; leave out --lods');
+  if (lods?.length === 1 && directory === undefined) throw usage('--lods', 'name at least two levels for one file');
+  const size = byteCount(values.size);
+  const options = simplifyOptions(values, lods);
+  return { action: 'simplify', inputs, output, directory, json, measure, options, size, lods };
 }
 
-function refuseUnsupported({ size, lods, quantize, compress }: Values): void {
-  for (const [name, value] of Object.entries({ size, lods, quantize })) {
-    if (value !== undefined && value !== false) throw usage(`--${name}`, 'is not supported yet');
-  }
+function refuseUnsupported({ quantize, compress }: Values): void {
+  if (quantize) throw usage('--quantize', 'is not supported yet');
   if (compress === undefined || compress === 'none') return;
   const known = compress === 'meshopt' || compress === 'draco';
   throw usage('--compress', known ? `${compress} is not supported yet` : `must be none, not '${compress}'`);
 }
 
-function simplifyOptions(values: Values): SimplifyOptions {
-  const { ratio, triangles, error, placement, preset } = values;
-  if (ratio === undefined && triangles === undefined && error === undefined) {
-    throw usage('options', 'name a target: --ratio R, --triangles N or --error E');
+function simplifyOptions(values: Values, lods: readonly number[] | undefined): DocumentSimplifyOptions {
+  const { ratio, triangles, error, size, placement, preset } = values;
+  const targets = Object.entries({ ratio, triangles, error, size }).filter(([, value]) => value !== undefined);
+  if (targets.length === 0 && lods === undefined) {
+    throw usage('options', 'name a target: --ratio R, --triangles N, --error E, --size BYTES or --lods R,R');
   }
+  if (targets[0] !== undefined && lods !== undefined) throw usage('--lods', `leave out --${targets[0][0]}`);
   if (placement !== undefined && placement !== 'optimal' && placement !== 'subset') {
     throw usage('--placement', `must be optimal or subset, not '${placement}'`);
   }
@@ -135,7 +147,9 @@ function simplifyOptions(values: Values): SimplifyOptions {
     throw usage('--preset', `must be ${PRESETS.join(', ')}, not '${preset}'`);
   }
   return {
-    ratio: number('--ratio', ratio, 'a number from 0 to 1', (value) => value <= 1),
+    ratio: lods === undefined ? number('--ratio', ratio, 'a number from 0 to 1', (value) => value <= 1) : Math.min(...lods),
+    // These look for their levels in the history.
+    ...(lods === undefined && size === undefined ? {} : { everyLevel: true }),
     triangles: number('--triangles', triangles, 'an integer of at least 0', Number.isSafeInteger),
     error: errorLimit(error),
     placement,
@@ -160,6 +174,25 @@ function errorLimit(text: string | undefined): SimplifyOptions['error'] {
   const wanted = 'a number of at least 0, or a percentage such as 0.1%';
   const value = number('--error', text?.replace(/%$/, ''), wanted, () => true);
   return text?.endsWith('%') ? `${value as number}%` : value;
+}
+
+const MOST_LODS = 32;
+
+function levelList(text: string | undefined): number[] | undefined {
+  const levels = text?.split(',').map((part) => number('--lods', part, 'numbers from 0 to 1 with commas between', (value) => value <= 1) as number);
+  if (levels !== undefined && levels.length > MOST_LODS) throw usage('--lods', `at most ${MOST_LODS} levels`);
+  return levels?.sort((a, b) => b - a);
+}
+
+const UNITS: Readonly<Record<string, number>> = { '': 1, k: 1e3, m: 1e6, g: 1e9, ki: 1024, mi: 1024 ** 2, gi: 1024 ** 3 };
+
+function byteCount(text: string | undefined): number | undefined {
+  if (text === undefined) return undefined;
+  const [, digits, unit = ''] = /^(.*?)\s*([kmg]i?)?b?$/i.exec(text) ?? [];
+  const wanted = 'a number of bytes above 0, such as 500k or 2MB';
+  const value = DECIMAL.test(digits ?? '') ? Number(digits) * (UNITS[unit.toLowerCase()] as number) : NaN;
+  if (!Number.isFinite(value) || value <= 0) throw usage('--size', `must be ${wanted}, not '${text}'`);
+  return value;
 }
 
 /** The error for a wrong command line. */

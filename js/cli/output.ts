@@ -16,9 +16,9 @@ export function outputFormat(path: string): OutputFormat {
   throw usage('-o', `'${path}' ${what}; known are ${OUTPUT_FORMATS.map((known) => `.${known}`).join(', ')}`);
 }
 
-/** The path in `directory` for a result of `input` in `format`. */
-export function pathIn(directory: string, input: string, format: OutputFormat): string {
-  return join(directory, `${parse(input).name}.${format}`);
+/** The path in `directory` for a result of `input` in `format`; of several, for the level number `level`. */
+export function pathIn(directory: string, input: string, format: OutputFormat, level?: number): string {
+  return join(directory, `${parse(input).name}${level === undefined ? '' : `_LOD${level}`}.${format}`);
 }
 
 /** Throws `usage` if `output` is the same file as one of `inputs`, by whatever name. */

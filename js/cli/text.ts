@@ -26,7 +26,10 @@ const STOPPED: Readonly<Record<StopReason, string>> = {
 };
 
 /** What became of a file. */
-export function resultLine({ input, output, stopReason, estimatedError, deviation, timings }: Report, diagonal: number): string {
+export function resultLine(
+  { input, output, stopReason, estimatedError, deviation, timings, lods }: Report,
+  diagonal: number,
+): string {
   const count = (value: number): string => value.toLocaleString('en');
   const seconds = (timings.read + timings.simplify + timings.measure + timings.write) / 1000;
   const percent = (value: number): string => `${((100 * value) / diagonal).toPrecision(2)} %`;
@@ -36,9 +39,11 @@ export function resultLine({ input, output, stopReason, estimatedError, deviatio
       ? ''
       : `, measured deviation max ${shown(deviation.max)}, mean ${shown(deviation.mean)}, rms ${shown(deviation.rms)}`;
   const stopped = stopReason === null ? '' : STOPPED[stopReason];
+  const triangles = lods?.map((level) => count(level.triangles)).join(', ') ?? count(output.triangles);
+  const last = lods?.at(-1)?.path;
   return line([
-    `${input.path} → ${output.path}`,
-    `${count(input.triangles)} → ${count(output.triangles)} triangles${stopped}, ${size(input.bytes)} → ` +
+    `${input.path} → ${output.path}${last ? ` … ${last}` : ''}`,
+    `${count(input.triangles)} → ${triangles} triangles${stopped}, ${size(input.bytes)} → ` +
       `${size(output.bytes)}, estimated error ${shown(estimatedError)}${measured}, ${seconds.toFixed(1)} s`,
   ]);
 }

@@ -12,12 +12,12 @@ import type {
   DocumentSummary,
   LevelGeometry,
   LevelSummary,
+  LevelTargets,
   MeasureOptions,
   MeshInput,
   RunOptions,
   SimplifiedMesh,
   SimplifyOptions,
-  Targets,
   WriteOptions,
 } from '../types.js';
 import { startPort, type Port } from './port.js';
@@ -257,9 +257,10 @@ export class DocumentProxy {
     return (await this.#connection.request(request, runOptions)).level;
   }
 
-  /** As `Document.level`. */
-  async level(targets: Targets): Promise<LevelSummary> {
-    return (await this.#connection.request({ type: 'level', document: this.#number(), targets })).level;
+  /** As `Document.level`; an abort rejects at once. */
+  async level(targets: LevelTargets, options: RunOptions = {}): Promise<LevelSummary> {
+    checkRunOptions(options);
+    return (await this.#connection.request({ type: 'level', document: this.#number(), targets }, options)).level;
   }
 
   /** As `Document.measure`; an abort rejects at once. */

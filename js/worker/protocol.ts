@@ -14,11 +14,11 @@ import type {
   DocumentSummary,
   LevelGeometry,
   LevelSummary,
+  LevelTargets,
   MeasureOptions,
   MeshInput,
   SimplifiedMesh,
   SimplifyOptions,
-  Targets,
   WriteOptions,
 } from '../types.js';
 
@@ -37,12 +37,12 @@ export interface SimplifyRequest {
   readonly options: DocumentSimplifyOptions;
 }
 
-/** Selects a level. Answered by {@link LevelReply}. */
+/** Selects a level. Answered by {@link LevelReply}; cancelled, the former level stays. */
 export interface LevelRequest {
   readonly type: 'level';
   readonly id: number;
   readonly document: number;
-  readonly targets: Targets;
+  readonly targets: LevelTargets;
 }
 
 /** Measures the selected level against the original. Answered by {@link MeasuredReply}. */

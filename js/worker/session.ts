@@ -61,8 +61,10 @@ export class Session {
         const document = this.#document(request.document);
         return { type: 'measured', id, deviation: await document.measure({ ...request.options, signal, onProgress }) };
       }
-      case 'level':
-        return { type: 'level', id, level: await this.#document(request.document).level(request.targets) };
+      case 'level': {
+        const document = this.#document(request.document);
+        return { type: 'level', id, level: await document.level(request.targets, { signal, onProgress }) };
+      }
       case 'geometry':
         return { type: 'geometry', id, geometry: await this.#document(request.document).geometry() };
       case 'write':

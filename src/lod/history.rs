@@ -13,6 +13,10 @@ pub(super) struct History {
     /// The same as the vertices' if each vertex has one wedge, and empty.
     pub(super) wedges: Successors,
     pub(super) versions: Versions,
+    /// Collapses that were read for who merges, and for positions.
+    read: (usize, usize),
+    /// Collapses to read.
+    count: usize,
 }
 
 /// For each name when it merges into what; [`NEVER`] and itself.
@@ -23,33 +27,72 @@ pub(super) struct Successors {
 }
 
 impl History {
-    /// The first `count` collapses, and the fit if they are all.
+    /// Nothing yet of the first `count` collapses.
     pub(super) fn new(source: &Source<'_>, count: usize) -> Self {
+        let names = source.mesh.positions.len();
+        let wedges = if source.plain { Successors::default() } else { Successors::new(names) };
+        Self { vertices: Successors::new(names), wedges, versions: Versions::new(names), read: (0, 0), count }
+    }
+
+    /// The first `count` collapses, and the fit if they are all.
+    pub(super) fn whole(source: &Source<'_>, count: usize) -> Self {
+        let mut history = Self::new(source, count);
+        while history.step(source, count.max(1)) {}
+        history
+    }
+
+    /// Reads about `work` more collapses. Returns false if there was nothing left to do.
+    pub(super) fn step(&mut self, source: &Source<'_>, work: usize) -> bool {
         let Source { mesh, sequence, plain } = *source;
-        let names = mesh.positions.len();
-        let collapses = &sequence.collapses[..count];
-        let mut vertices = Successors::new(names);
-        for (collapse, time) in collapses.iter().zip(1..) {
-            vertices.merge(collapse.from, collapse.into, time);
+        let (start, end) = (self.read.0, self.count.min(self.read.0.saturating_add(work)));
+        if start == 0 || start < end {
+            for (collapse, time) in sequence.collapses[start..end].iter().zip(start as u32 + 1..) {
+                self.vertices.merge(collapse.from, collapse.into, time);
+                self.versions.count(collapse.into);
+            }
+            if !plain {
+                for (merges, time) in sequence.merges_from(start).take(end - start).zip(start as u32 + 1..) {
+                    merges.for_each(|(from, into)| self.wedges.merge(from, into, time));
+                }
+            }
+            self.read.0 = end;
+            if end == self.count {
+                // No collapse at all is done as well.
+                self.read.0 = self.count.max(1);
+                self.fitted(source).iter().for_each(|&(vertex, _)| self.versions.count(vertex));
+                self.versions.make_room();
+            }
+            return true;
         }
-        let mut wedges = Successors::default();
-        if !plain {
-            wedges = Successors::new(names);
-            for (merges, time) in sequence.merges_from(0).take(count).zip(1..) {
-                merges.for_each(|(from, into)| wedges.merge(from, into, time));
+        // A vertex that did not move keeps its own bits: the sign of a zero.
+        let kept = |name: u32, position| {
+            let before = mesh.positions[name as usize];
+            if plain && before == position { before } else { position }
+        };
+        let (start, end) = (self.read.1, self.count.min(self.read.1.saturating_add(work)));
+        if start > self.count {
+            return false;
+        }
+        for (c, time) in sequence.collapses[start..end].iter().zip(start as u32 + 1..) {
+            self.versions.put(c.into, kept(c.into, c.position), time);
+        }
+        self.read.1 = end;
+        if end == self.count {
+            self.read.1 = self.count + 1;
+            for &(vertex, position) in self.fitted(source) {
+                self.versions.put(vertex, kept(vertex, position), self.count as u32);
             }
         }
-        let fitted = if count == sequence.collapses.len() { sequence.fitted.as_slice() } else { &[] };
-        let versions = Versions::new(names, || {
-            let collapsed = collapses.iter().zip(1..).map(|(c, time)| (c.into, c.position, time));
-            let placed = collapsed.chain(fitted.iter().map(|&(v, position)| (v, position, count as u32)));
-            placed.map(|(name, position, time)| {
-                // A vertex that did not move keeps its own bits: the sign of a zero.
-                let before = mesh.positions[name as usize];
-                (name as usize, if plain && before == position { before } else { position }, time)
-            })
-        });
-        Self { vertices, wedges, versions }
+        true
+    }
+
+    /// The share that was read.
+    pub(super) fn fraction(&self) -> f32 {
+        (self.read.0 + self.read.1) as f32 / (2 * self.count + 1) as f32
+    }
+
+    fn fitted<'a>(&self, source: &Source<'a>) -> &'a [(u32, [f32; 3])] {
+        if self.count == source.sequence.collapses.len() { &source.sequence.fitted } else { &[] }
     }
 }
 

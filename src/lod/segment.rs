@@ -8,10 +8,13 @@
 //! Times are numbers of collapses since the segment's first level. Wedges, vertices and triangles
 //! are numbered within the segment, in the order of the original.
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use super::LevelMesh;
-use super::blend::{Blending, WedgeAttributes, blends};
-use super::history::{History, Successors, climb, end_of_triangle};
-use super::versions::Versions;
+use super::blend::{Blending, WedgeAttributes};
+use super::history::{climb, end_of_triangle};
+use super::versions::Moves;
 use crate::collapse_sequence::CollapseSequence;
 use crate::mesh::weld::NO_VERTEX;
 use crate::mesh::{Group, Mesh, WedgeSet};
@@ -22,40 +25,40 @@ pub(super) const NEVER: u32 = u32::MAX;
 /// The levels after `first` collapses and up to `length` more.
 #[derive(Debug)]
 pub(super) struct Segment {
-    first: usize,
-    length: usize,
+    pub(super) first: usize,
+    pub(super) length: usize,
     /// The mesh at the first level; nothing for the segment that begins with the original itself.
-    snapshot: Option<Snapshot>,
+    pub(super) snapshot: Option<Snapshot>,
     /// The time until which each wedge is in use; 0 if it never is. See [`Segment::finish`].
-    lasts: Vec<u32>,
+    pub(super) lasts: Vec<u32>,
     /// The wedge that each merges into then, or itself.
-    goes_into: Vec<u32>,
-    versions: Versions,
+    pub(super) goes_into: Vec<u32>,
+    pub(super) moves: Moves,
     /// What only a mesh has some of whose vertices have several wedges.
-    seams: Option<Seams>,
+    pub(super) seams: Option<Seams>,
     /// Merges that change attributes, in order.
-    blends: Vec<Blending>,
+    pub(super) blends: Vec<Blending>,
 }
 
 /// A mesh at the first level of a segment, with names for what it is made of.
 #[derive(Debug)]
 pub(super) struct Snapshot {
-    pub(super) level: LevelMesh,
+    pub(super) level: Arc<LevelMesh>,
     /// Vertex of each wedge, numbered in the segment; empty if each vertex has one wedge.
-    vertex_of_wedge: Vec<u32>,
+    pub(super) vertex_of_wedge: Vec<u32>,
     /// Names of the vertices as in the history, rising; empty if each vertex has one wedge.
-    vertices: Vec<u32>,
+    pub(super) vertices: Vec<u32>,
     /// Position of each vertex; empty if each vertex has one wedge.
-    positions: Vec<[f32; 3]>,
+    pub(super) positions: Vec<[f32; 3]>,
 }
 
 #[derive(Debug)]
-struct Seams {
+pub(super) struct Seams {
     /// Time and successor of each vertex.
-    vertex_lasts: Vec<u32>,
-    vertex_goes_into: Vec<u32>,
+    pub(super) vertex_lasts: Vec<u32>,
+    pub(super) vertex_goes_into: Vec<u32>,
     /// The time until which each triangle is there.
-    triangle_lasts: Vec<u32>,
+    pub(super) triangle_lasts: Vec<u32>,
 }
 
 /// What a segment is made from.
@@ -72,65 +75,16 @@ pub(super) fn is_plain(sequence: &CollapseSequence) -> bool {
 }
 
 impl Segment {
-    /// The segment of `length` collapses after `first`, from the mesh there, which is the original
-    /// if no `snapshot` is given. `numbers` is room for a table.
-    pub(super) fn new(
-        source: &Source<'_>,
-        history: &History,
-        (first, length): (usize, usize),
-        snapshot: Option<Snapshot>,
-        numbers: &mut Vec<u32>,
-    ) -> Self {
-        let Source { mesh, sequence, plain } = *source;
-        let state = snapshot.as_ref().map_or(mesh, |s| &s.level.mesh);
-        let names: Vec<u32>;
-        let wedge_names = match &snapshot {
-            Some(s) => s.level.wedge_map.as_slice(),
-            None => {
-                names = (0..mesh.positions.len() as u32).collect();
-                &names
-            }
-        };
-        let (vertex_names, at_first) = match &snapshot {
-            Some(s) if !plain => (s.vertices.as_slice(), s.positions.as_slice()),
-            _ => (wedge_names, state.positions.as_slice()),
-        };
-        let part = |successors: &Successors, names: &[u32], numbers: &mut Vec<u32>| {
-            successors.part(names.iter().copied(), first, length, numbers)
-        };
-        let (vertex_lasts, vertex_goes_into) = part(&history.vertices, vertex_names, numbers);
-        let versions = history.versions.part(vertex_names.iter().copied(), first, length);
-        let merged = (!plain).then(|| part(&history.wedges, wedge_names, numbers));
-
-        let has_attributes = state.wedge_sets.iter().any(|set| !set.attributes.is_empty());
-        let blends = if has_attributes {
-            blends(source, first, length, at_first, (vertex_names, wedge_names))
-        } else {
-            Vec::new()
-        };
-
-        let mut segment = match merged {
-            None => {
-                let (goes_into, seams) = (vertex_goes_into, None);
-                Self { first, length, lasts: vertex_lasts, goes_into, versions, seams, blends, snapshot }
-            }
-            Some((lasts, goes_into)) => {
-                let seams = Seams { vertex_lasts, vertex_goes_into, triangle_lasts: Vec::new() };
-                Self { first, length, lasts, goes_into, versions, seams: Some(seams), blends, snapshot }
-            }
-        };
-        if !plain {
-            segment.find_last_uses(source);
-        } else if segment.snapshot.is_none() {
-            for (lasts, &vertex) in segment.lasts.iter_mut().zip(&sequence.vertex_of_wedge) {
-                *lasts = if vertex == NO_VERTEX { 0 } else { *lasts };
-            }
-        }
-        segment
-    }
-
     /// Cuts the time of each wedge, until now that of its merge, where its last triangle goes earlier.
     fn find_last_uses(&mut self, source: &Source<'_>) {
+        let mut last_uses = vec![0; self.lasts.len()];
+        self.find_last_uses_in(source, 0..self.state(source.mesh).triangles.len(), &mut last_uses);
+        self.lasts = last_uses;
+    }
+
+    /// The last use of each wedge by these of the triangles, and until when those are there.
+    pub(super) fn find_last_uses_in(&mut self, source: &Source<'_>, range: Range<usize>, last_uses: &mut [u32]) {
+        let mut triangle_lasts = self.seams.as_mut().map(|seams| std::mem::take(&mut seams.triangle_lasts));
         let state = self.state(source.mesh);
         let (vertex_lasts, vertex_goes_into) = match &self.seams {
             Some(seams) => (&seams.vertex_lasts, &seams.vertex_goes_into),
@@ -141,12 +95,10 @@ impl Segment {
             (_, Some(s)) => s.vertex_of_wedge[w as usize],
             (_, None) => source.sequence.vertex_of_wedge[w as usize],
         };
-        let mut triangle_lasts = Vec::with_capacity(if self.seams.is_some() { state.triangles.len() } else { 0 });
-        let mut last_uses = vec![0_u32; self.lasts.len()];
-        for t in &state.triangles {
+        for t in &state.triangles[range] {
             let end = end_of_triangle(t.map(vertex_of), vertex_lasts, vertex_goes_into);
-            if self.seams.is_some() {
-                triangle_lasts.push(end);
+            if let Some(lasts) = &mut triangle_lasts {
+                lasts.push(end);
             }
             for &corner in t {
                 let (mut w, mut since) = (corner as usize, 0);
@@ -157,9 +109,8 @@ impl Segment {
                 }
             }
         }
-        self.lasts = last_uses;
-        if let Some(seams) = &mut self.seams {
-            seams.triangle_lasts = triangle_lasts;
+        if let (Some(seams), Some(lasts)) = (&mut self.seams, triangle_lasts) {
+            seams.triangle_lasts = lasts;
         }
     }
 
@@ -176,7 +127,7 @@ impl Segment {
     /// Bytes on the heap.
     pub(super) fn byte_count(&self) -> usize {
         let words = |list: &[u32]| size_of_val(list);
-        let mut bytes = words(&self.lasts) + words(&self.goes_into) + self.versions.byte_count();
+        let mut bytes = words(&self.lasts) + words(&self.goes_into) + self.moves.byte_count();
         bytes += size_of_val(self.blends.as_slice());
         if let Some(seams) = &self.seams {
             bytes += words(&seams.vertex_lasts) + words(&seams.vertex_goes_into) + words(&seams.triangle_lasts);
@@ -192,12 +143,12 @@ impl Segment {
     }
 
     /// The level after `count` collapses in all, which must be in the segment.
-    pub(super) fn extract(&self, source: &Source<'_>, count: usize) -> LevelMesh {
+    pub(super) fn extract(&self, source: &Source<'_>, count: usize) -> Arc<LevelMesh> {
         let Source { mesh, sequence, .. } = *source;
         let time = (count - self.first).min(self.length) as u32;
         let state = self.state(mesh);
         if let (0, Some(snapshot)) = (time, &self.snapshot) {
-            return snapshot.level.clone();
+            return Arc::clone(&snapshot.level);
         }
         let (local, new_index) = self.living(time);
         let mut out = Mesh { parts: mesh.parts.clone(), ..Mesh::default() };
@@ -210,13 +161,13 @@ impl Segment {
             out.groups.push(Group { triangles: start..end, wedge_set: group.wedge_set });
         }
         out.triangles.truncate(end);
-        drop(new_index);
 
         let original: Vec<u32> = match &self.snapshot {
             Some(s) => local.iter().map(|&w| s.level.wedge_map[w as usize]).collect(),
             None => Vec::new(),
         };
-        out.positions = self.positions(mesh, source, &local, time);
+        out.positions = self.positions(source, &local, &new_index, time);
+        drop(new_index);
         let attributes = self.attributes(state, time);
         let mut start = 0;
         for (s, set) in state.wedge_sets.iter().enumerate() {
@@ -229,7 +180,8 @@ impl Segment {
             start = end;
         }
         let error = count.checked_sub(1).map_or(0.0, |last| sequence.collapses[last].error);
-        LevelMesh { mesh: out, wedge_map: if self.snapshot.is_some() { original } else { local }, error }
+        let wedge_map = if self.snapshot.is_some() { original } else { local };
+        Arc::new(LevelMesh { mesh: out, wedge_map, error })
     }
 
     /// The mesh after the segment's last collapse, to begin the next one with.
@@ -251,17 +203,18 @@ impl Segment {
             for &v in &at_end {
                 number[v as usize] = 0;
             }
+            let at_time = self.vertex_positions(source.mesh, time);
             for (v, number) in number.iter_mut().enumerate().filter(|(_, number)| **number == 0) {
                 *number = vertices.len() as u32;
                 vertices.push(self.snapshot.as_ref().map_or(v as u32, |s| s.vertices[v]));
-                positions.push(self.position(source.mesh, v, time));
+                positions.push(at_time[v]);
             }
             vertex_of_wedge = at_end.into_iter().map(|v| number[v as usize]).collect();
         }
         Snapshot { level, vertex_of_wedge, vertices, positions }
     }
 
-    fn state<'a>(&'a self, mesh: &'a Mesh) -> &'a Mesh {
+    pub(super) fn state<'a>(&'a self, mesh: &'a Mesh) -> &'a Mesh {
         self.snapshot.as_ref().map_or(mesh, |s| &s.level.mesh)
     }
 
@@ -331,24 +284,41 @@ impl Segment {
         climb(vertex, time, &seams.vertex_lasts, &seams.vertex_goes_into)
     }
 
-    fn position(&self, mesh: &Mesh, vertex: usize, time: u32) -> [f32; 3] {
-        let at_first = match &self.snapshot {
+    /// The position of each vertex of the segment at its first level.
+    pub(super) fn first_positions<'a>(&'a self, mesh: &'a Mesh) -> &'a [[f32; 3]] {
+        match &self.snapshot {
             Some(s) if !s.positions.is_empty() => &s.positions,
             Some(s) => &s.level.mesh.positions,
             None => &mesh.positions,
-        };
-        self.versions.at(vertex, time).unwrap_or(at_first[vertex])
+        }
     }
 
-    fn positions(&self, mesh: &Mesh, source: &Source<'_>, wedges: &[u32], time: u32) -> Vec<[f32; 3]> {
+    fn vertex_positions(&self, mesh: &Mesh, time: u32) -> Vec<[f32; 3]> {
+        let mut positions = self.first_positions(mesh).to_vec();
+        self.moves.at(time, |vertex, position| positions[vertex] = position);
+        positions
+    }
+
+    /// Of the `wedges` in use; for each wedge of the segment `new_index` has its place among them.
+    fn positions(&self, source: &Source<'_>, wedges: &[u32], new_index: &[u32], time: u32) -> Vec<[f32; 3]> {
+        let mesh = source.mesh;
         let Some(seams) = &self.seams else {
-            return wedges.iter().map(|&w| self.position(mesh, w as usize, time)).collect();
+            let first = self.first_positions(mesh);
+            let mut positions: Vec<[f32; 3]> = wedges.iter().map(|&w| first[w as usize]).collect();
+            self.moves.at(time, |vertex, position| {
+                // It may have lost its last triangle before.
+                if self.lasts[vertex] > time {
+                    positions[new_index[vertex] as usize] = position;
+                }
+            });
+            return positions;
         };
+        let vertex_positions = self.vertex_positions(mesh, time);
         let original = |w: u32| self.snapshot.as_ref().map_or(w, |s| s.level.wedge_map[w as usize]);
         wedges
             .iter()
             .map(|&w| {
-                let position = self.position(mesh, self.vertex_at(seams, source, w, time) as usize, time);
+                let position = vertex_positions[self.vertex_at(seams, source, w, time) as usize];
                 // A wedge that did not move keeps its own bits: the sign of a zero may differ
                 // between the wedges of a vertex.
                 let before = mesh.positions[original(w) as usize];
