@@ -105,7 +105,7 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
   progress.show(`${label}: reading`);
   const start = performance.now();
   const input = await readInput(path);
-  const document = openFiles(input.files);
+  const document = await openFiles(input.files);
   const read = performance.now() - start;
   try {
     const { output: named, directory, options, json, measure, size, lods } = job;

@@ -1,5 +1,6 @@
 // A document: a whole file in the engine, simplified in steps, looked at and written at any level.
 
+import { decodeFiles, type Decoded } from './codecs/decode.js';
 import { DecimeshError, invalidArgument } from './errors.js';
 import { EngineObject, callEngine, init } from './engine.js';
 import { isOutputFormat, OUTPUT_FORMATS, usualFormat } from './formats.js';
@@ -57,19 +58,28 @@ export async function openDocument(input: DocumentInput, options: { signal?: Abo
   options.signal?.throwIfAborted();
   await init();
   options.signal?.throwIfAborted();
-  return openFiles(files);
+  return openFiles(files, options.signal);
 }
 
-/** Opens files that are in memory, at once; needs the engine to be loaded. */
-export function openFiles(files: readonly LoadedFile[]): Document {
+/** Opens files that are in memory; needs the engine to be loaded. Rejects as {@link openDocument} does. */
+export async function openFiles(files: readonly LoadedFile[], signal?: AbortSignal): Promise<Document> {
   const start = performance.now();
+  const decoded = await decodeFiles(files, signal);
+  signal?.throwIfAborted();
+  const bytes = files.reduce((sum, file) => sum + file.bytes.byteLength, 0);
+  return openDecoded(decoded, bytes, start);
+}
+
+function openDecoded({ files, compression }: Decoded, bytes: number, start: number): Document {
   const model = new EngineObject('document', (engine) =>
     engine.Model.open(
       files.map(({ name }) => name),
       files.map(({ bytes }) => bytes),
     ),
   );
-  const summary = JSON.parse(model.call((object) => object.summary())) as DocumentSummary;
+  const found = JSON.parse(model.call((object) => object.summary())) as Omit<DocumentSummary, 'compression'>;
+  // What was given counts, not what was decoded from it.
+  const summary: DocumentSummary = { ...found, bytes, compression };
   return new Document(model, summary, performance.now() - start);
 }
 

@@ -48,7 +48,7 @@ async function load(source: WasmSource | undefined): Promise<void> {
   const place = typeof wanted === 'string' ? wanted : wanted instanceof URL ? wanted.href : 'wasm';
   try {
     listenForPanics();
-    await instantiate({ module_or_path: await compile(wanted) });
+    await instantiate({ module_or_path: await loadWasm(wanted) });
     initialised = true;
   } catch (error) {
     if (error instanceof DecimeshError) throw error;
@@ -59,7 +59,8 @@ async function load(source: WasmSource | undefined): Promise<void> {
   }
 }
 
-async function compile(source: WasmSource): Promise<WebAssembly.Module> {
+/** The compiled module of `source`, from disk on Node and else fetched. */
+export async function loadWasm(source: WasmSource): Promise<WebAssembly.Module> {
   if (source instanceof WebAssembly.Module) return source;
   if (typeof source !== 'string' && !(source instanceof URL)) return WebAssembly.compile(source);
   if (isNode) {

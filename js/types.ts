@@ -3,6 +3,9 @@
 /** A file format by its usual extension. */
 export type Format = 'glb' | 'gltf' | 'obj' | 'ply' | 'stl' | 'off' | 'smf';
 
+/** How the geometry of a glTF is stored: plainly, by `EXT_meshopt_compression` (or its KHR successor), or by Draco. */
+export type Compression = 'none' | 'meshopt' | 'draco';
+
 /** A format that can be written. */
 export type OutputFormat = Exclude<Format, 'gltf'>;
 
@@ -68,6 +71,8 @@ export interface DocumentSummary {
   readonly format: Format;
   /** All bytes that were given. */
   readonly bytes: number;
+  /** How the file stored its geometry; other formats than glTF have `'none'`. */
+  readonly compression: Compression;
   readonly triangles: number;
   /** Vertices as the file stores them: one on a texture seam counts once for each side. */
   readonly vertices: number;

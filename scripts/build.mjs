@@ -8,6 +8,7 @@ import { join, resolve } from 'node:path';
 import { gzipSync } from 'node:zlib';
 import { Stop, at, findProgram, hashFiles, isMain, main, readIfThere, root, run, secondsSince } from './project.mjs';
 import { setup } from './setup.mjs';
+import { vendor } from './vendor.mjs';
 
 const say = (text) => console.log(`build: ${text}`);
 
@@ -26,7 +27,7 @@ const STAGES = {
     make: buildWasm,
   },
   js: {
-    inputs: ['js', 'tsconfig.base.json', 'tsconfig.json', 'tsconfig.worker.json', 'tsconfig.node.json', 'dist/wasm/decimesh.d.ts'],
+    inputs: ['js', 'scripts/vendor.mjs', 'tsconfig.base.json', 'tsconfig.json', 'tsconfig.worker.json', 'tsconfig.node.json', 'dist/wasm/decimesh.d.ts'],
     outputs: jsOutputs,
     make: buildJs,
   },
@@ -145,6 +146,8 @@ function checkSizes(directory) {
 
 async function buildJs() {
   for (const path of jsOutputs()) rmSync(at(path), { recursive: true, force: true });
+  // First, because js/ takes their types from there.
+  vendor();
   // The library last: where the three overlap its declarations are the ones to ship.
   for (const project of ['tsconfig.worker.json', 'tsconfig.node.json', 'tsconfig.json']) {
     await must(process.execPath, [at('node_modules', 'typescript', 'bin', 'tsc'), '-p', at(project)]);

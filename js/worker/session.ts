@@ -97,7 +97,9 @@ export class Session {
     await loading;
     signal.throwIfAborted();
     onProgress(0.4);
-    const document = openFiles(loaded);
+    const document = await openFiles(loaded, signal);
+    if (signal.aborted) document.dispose();
+    signal.throwIfAborted();
     onProgress(1);
     this.#lastDocument += 1;
     this.#documents.set(this.#lastDocument, document);

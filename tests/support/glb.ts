@@ -100,3 +100,9 @@ function bounds(positions: Float32Array): { min: number[]; max: number[] } {
   }
   return { min, max };
 }
+
+/** The JSON of a GLB. */
+export function glbTree(bytes: Uint8Array): Record<string, unknown> {
+  const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(12, true);
+  return JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length))) as Record<string, unknown>;
+}
