@@ -9,10 +9,10 @@ import { checkWritable, makeDirectory, outputFormat, pathIn, refuseInputs, write
 import { ProgressLine, errorLine, resultLine, warningLine } from './cli/text.js';
 import { openFiles } from './document.js';
 import { init } from './engine.js';
-import { usualFormat } from './formats.js';
+import { holdsEncodings, usualFormat } from './formats.js';
 import { DecimeshError, errorToData, type ErrorData } from './errors.js';
 import type { Report } from './report.js';
-import type { Warning } from './types.js';
+import type { OutputFormat, Warning, WriteOptions } from './types.js';
 
 /** In place of a report, for a file among several that failed. */
 interface FailedReport {
@@ -109,6 +109,7 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
   try {
     const { output: named, directory, options, json, measure } = job;
     const format = named === undefined ? usualFormat(document.summary.format) : outputFormat(named);
+    const encoding = encodingFor(format, job);
     const output = named ?? (directory === undefined ? undefined : pathIn(directory, path, format));
     if (output !== undefined) {
       refuseInputs(output, job.inputs);
@@ -124,7 +125,7 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
       });
     }
     const start = performance.now();
-    const written = await document.write({ format });
+    const written = await document.write({ format, ...encoding });
     if (output !== undefined) writeWhole(output, written.bytes);
     const write = performance.now() - start;
     const warnings = [...input.warnings, ...written.report.warnings];
@@ -142,6 +143,14 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
   } finally {
     document.dispose();
   }
+}
+
+/** What was asked for; throws `usage` if the format does not have it, and leaves out what is the default there. */
+function encodingFor(format: OutputFormat, { compress, quantize }: Job): WriteOptions {
+  if (holdsEncodings(format)) return { compress, quantize };
+  if (compress !== undefined && compress !== 'none') throw usage('--compress', `.${format} has no compression; write to .glb`);
+  if (quantize) throw usage('--quantize', `.${format} has no quantisation; write to .glb`);
+  return {};
 }
 
 function tellWarnings(warnings: readonly Warning[], path: string): void {

@@ -1,9 +1,10 @@
 // A document: a whole file in the engine, simplified in steps, looked at and written at any level.
 
 import { decodeFiles, type Decoded } from './codecs/decode.js';
+import { encodeGlb, type Encoding } from './codecs/encode.js';
 import { DecimeshError, invalidArgument } from './errors.js';
 import { EngineObject, callEngine, init } from './engine.js';
-import { isOutputFormat, OUTPUT_FORMATS, usualFormat } from './formats.js';
+import { COMPRESSIONS, OUTPUT_FORMATS, holdsEncodings, isCompression, isOutputFormat, usualFormat } from './formats.js';
 import { listFiles, loadFiles, type LoadedFile } from './files.js';
 import {
   DOCUMENT_SIMPLIFY_NAMES,
@@ -263,17 +264,20 @@ export class Document {
   /**
    * Writes the selected level; full detail before the first simplification.
    *
-   * Rejects with `invalid-argument` for an unknown format and `unsupported` for an encoding that is still to come.
+   * Rejects with `invalid-argument` for an unknown format and for an encoding that the format does not have.
    */
   async write(options: WriteOptions = {}): Promise<Written> {
-    const format = checkWriteOptions(options, this.summary);
+    const { format, ...encoding } = checkWriteOptions(options, this.summary);
     const start = performance.now();
-    const bytes = this.#model.call((model) => model.write(format)) as Uint8Array<ArrayBuffer>;
-    const { deviation, milliseconds: measure = 0 } = this.#measured ?? {};
-    const timings = { ...this.#timings, write: performance.now() - start, measure };
-    const output = { format, bytes: bytes.byteLength };
+    const written = this.#model.call((model) => model.write(format)) as Uint8Array<ArrayBuffer>;
     const losses = JSON.parse(this.#model.call((model) => model.losses(format))) as Warning[];
-    const parts = { summary: this.summary, level: this.#level, deviation, output, timings, losses };
+    // Another level may be selected while this one is encoded.
+    const { deviation, milliseconds: measure = 0 } = this.#measured ?? {};
+    const [level, before] = [this.#level, this.#timings];
+    const { bytes, warnings } = holdsEncodings(format) ? await encodeGlb(written, encoding) : { bytes: written, warnings: [] };
+    const timings = { ...before, write: performance.now() - start, measure };
+    const output = { format, bytes: bytes.byteLength };
+    const parts = { summary: this.summary, level, deviation, output, timings, losses: [...losses, ...warnings] };
     return { bytes, report: makeReport(parts) };
   }
 
@@ -288,12 +292,14 @@ export class Document {
   }
 }
 
-function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): OutputFormat {
-  checkNames(options, ['format', 'compress']);
-  const { format = usualFormat(summary.format), compress = 'none' } = options;
+function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): Encoding & { format: OutputFormat } {
+  checkNames(options, ['format', 'compress', 'quantize']);
+  const { format = usualFormat(summary.format), quantize = false } = options;
   if (!isOutputFormat(format)) throw invalidArgument('format', `must be one of ${OUTPUT_FORMATS.join(', ')}`);
-  if (compress !== 'none') {
-    throw new DecimeshError('unsupported', `compression '${String(compress)}' is not supported yet`, 'compress');
-  }
-  return format;
+  const { compress = holdsEncodings(format) ? summary.compression : 'none' } = options;
+  if (!isCompression(compress)) throw invalidArgument('compress', `must be one of ${COMPRESSIONS.join(', ')}`);
+  if (typeof quantize !== 'boolean') throw invalidArgument('quantize', 'must be true or false');
+  if (!holdsEncodings(format) && compress !== 'none') throw invalidArgument('compress', `${format} has no compression`);
+  if (!holdsEncodings(format) && quantize) throw invalidArgument('quantize', `${format} has no quantisation`);
+  return { format, compress, quantize };
 }

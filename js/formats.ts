@@ -1,6 +1,6 @@
 // The formats that can be written, and which one to write when nobody named one.
 
-import type { Format, OutputFormat } from './types.js';
+import type { Compression, Format, OutputFormat } from './types.js';
 
 // A record and not a list, so that the compiler notices a format that is missing here.
 const OUTPUTS: Readonly<Record<OutputFormat, true>> = { glb: true, obj: true, ply: true, stl: true, off: true, smf: true };
@@ -16,4 +16,20 @@ export function isOutputFormat(value: unknown): value is OutputFormat {
 /** The format to write for a document read from `format`: the same, or GLB where that cannot be written. */
 export function usualFormat(format: Format): OutputFormat {
   return isOutputFormat(format) ? format : 'glb';
+}
+
+/** Whether a format can be compressed and quantised. */
+export function holdsEncodings(format: OutputFormat): boolean {
+  return format === 'glb';
+}
+
+// As above.
+const COMPRESSION: Readonly<Record<Compression, true>> = { none: true, meshopt: true, draco: true };
+
+/** Every way to store the geometry of a glTF. */
+export const COMPRESSIONS: readonly Compression[] = Object.keys(COMPRESSION) as Compression[];
+
+/** Whether `value` names a way to store geometry. */
+export function isCompression(value: unknown): value is Compression {
+  return typeof value === 'string' && Object.hasOwn(COMPRESSION, value);
 }

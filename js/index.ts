@@ -1,7 +1,7 @@
 // The package's public surface.
 
 export { init, type WasmSource } from './engine.js';
-export { OUTPUT_FORMATS } from './formats.js';
+export { COMPRESSIONS, OUTPUT_FORMATS } from './formats.js';
 export { PRESETS } from './options.js';
 export { openDocument, externalFiles, type Document, type Written } from './document.js';
 export { simplify, simplifySequence, type MeshSequence } from './simplify.js';

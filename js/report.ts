@@ -71,7 +71,7 @@ export interface ReportParts {
   readonly deviation: Deviation | undefined;
   readonly output: { readonly format: OutputFormat; readonly bytes: number };
   readonly timings: Timings;
-  /** What the output format cannot hold. */
+  /** What the output's format or encoding cannot hold. */
   readonly losses: readonly Warning[];
 }
 

@@ -162,8 +162,18 @@ export interface WriteOptions {
    * is left out, with one warning in the report.
    */
   readonly format?: OutputFormat | undefined;
-  /** Only `'none'` (default) is supported yet. */
-  readonly compress?: 'none' | undefined;
+  /**
+   * How to store the geometry of a GLB. `'meshopt'` loses nothing, and puts triangles and vertices in the order of the
+   * caches; `'draco'` is smaller, slower to read, and rounds positions to 1/16383 of the mesh's extent. Default: as the
+   * input had it (`summary.compression`); `'none'` for other formats, which have nothing else.
+   */
+  readonly compress?: Compression | undefined;
+  /**
+   * Stores attributes of a GLB as integers (`KHR_mesh_quantization`): positions on a grid of 14 bits of the mesh's
+   * extent, normals of 10, texture coordinates of 14. Draco does so by itself. Default false; what the input had as
+   * integers stays that.
+   */
+  readonly quantize?: boolean | undefined;
 }
 
 /** The vertices of a level that some groups share. */

@@ -103,6 +103,25 @@ describe('the main job', () => {
     expect(await page.getByRole('combobox', { name: 'Animation' }).locator('option').count()).toBe(4);
   });
 
+  it('opens compressed models, keeps their compression, and saves with another', async () => {
+    await openPage();
+    for (const compression of ['meshopt', 'draco'] as const) {
+      if (compression === 'meshopt') await drop({ name: 'box.glb', bytes: fixture('codecs', 'BoxMeshopt.glb') });
+      else await drop({ name: 'box.gltf', bytes: fixture('codecs', 'BoxDraco', 'BoxDraco.gltf') }, { name: '0.bin', bytes: fixture('codecs', 'BoxDraco', '0.bin') });
+      await ready();
+      expect(await page.getByRole('combobox', { name: 'Compression' }).inputValue()).toBe(compression);
+      using kept = await openDocument(new Uint8Array((await download()).bytes));
+      expect(kept.summary.compression).toBe(compression);
+    }
+    await page.getByRole('combobox', { name: 'Compression' }).selectOption('Meshopt, quantised');
+    const saved = await download();
+    expect(await gltfErrors(new Uint8Array(saved.bytes))).toEqual([]);
+    using packed = await openDocument(new Uint8Array(saved.bytes));
+    expect(packed.summary).toMatchObject({ compression: 'meshopt', triangles: 12 });
+    await page.getByRole('combobox', { name: 'File format' }).selectOption('OBJ');
+    expect(await page.getByRole('combobox', { name: 'Compression' }).count()).toBe(0);
+  });
+
   it('saves OBJ under the original name', async () => {
     await openPage();
     await drop({ name: 'my model.v2.obj', bytes: fixture('obj', 'concave.obj') });

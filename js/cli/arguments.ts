@@ -3,7 +3,8 @@
 import { parseArgs, type ParseArgsConfig } from 'node:util';
 import { DecimeshError } from '../errors.js';
 import { PRESETS, isPreset } from '../options.js';
-import type { SimplifyOptions } from '../types.js';
+import { COMPRESSIONS, isCompression } from '../formats.js';
+import type { Compression, SimplifyOptions } from '../types.js';
 
 /** Files to simplify, and how. */
 export interface Job {
@@ -14,6 +15,9 @@ export interface Job {
   readonly output: string | undefined;
   readonly directory: string | undefined;
   readonly options: SimplifyOptions;
+  /** Undefined: as the input has it. */
+  readonly compress: Compression | undefined;
+  readonly quantize: boolean;
   readonly json: boolean;
   /** Whether the deviation is to be measured. */
   readonly measure: boolean;
@@ -47,13 +51,14 @@ How:
 Output:
   -o, --output FILE    replaced only when all went well; never the input itself
   -d, --directory DIR  INPUT in its own format, .gltf as .glb
-  --compress none      the only encoding yet
+  --compress NAME      none, meshopt or draco, for .glb; default: as the input has it
+  --quantize           attributes as integers, for .glb (Draco does that by itself)
   --measure            measure how far the result is from the original, both ways, and report it
   --json               a report on standard output: an object, or an array of them for several inputs
   -h, --help           this text
   --version            the version
 
-Not supported yet: --size, --lods, --quantize, --compress meshopt|draco.
+Not supported yet: --size, --lods.
 
 Exit codes: 0 done, also when a target could not be reached (the report's stopReason says so); 1 a fault of this
 program; 2 wrong usage; 3 unreadable or invalid input; 4 could not write. With many inputs the others go on when one
@@ -111,16 +116,17 @@ export function readArguments(args: readonly string[]): Command {
   for (const [name, value] of Object.entries({ '-o': output, '-d': directory })) {
     if (value === '') throw usage(name, 'must not be empty');
   }
-  return { action: 'simplify', inputs, output, directory, json, measure, options: simplifyOptions(values) };
+  const { compress, quantize = false } = values;
+  if (compress !== undefined && !isCompression(compress)) {
+    throw usage('--compress', `must be ${COMPRESSIONS.join(', ')}, not '${compress}'`);
+  }
+  return { action: 'simplify', inputs, output, directory, json, measure, compress, quantize, options: simplifyOptions(values) };
 }
 
-function refuseUnsupported({ size, lods, quantize, compress }: Values): void {
-  for (const [name, value] of Object.entries({ size, lods, quantize })) {
-    if (value !== undefined && value !== false) throw usage(`--${name}`, 'is not supported yet');
+function refuseUnsupported({ size, lods }: Values): void {
+  for (const [name, value] of Object.entries({ size, lods })) {
+    if (value !== undefined) throw usage(`--${name}`, 'is not supported yet');
   }
-  if (compress === undefined || compress === 'none') return;
-  const known = compress === 'meshopt' || compress === 'draco';
-  throw usage('--compress', known ? `${compress} is not supported yet` : `must be none, not '${compress}'`);
 }
 
 function simplifyOptions(values: Values): SimplifyOptions {
