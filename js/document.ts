@@ -1,5 +1,6 @@
 // A document: a whole file in the engine, simplified in steps, looked at and written at any level.
 
+import { unpackArchives } from './codecs/archive.js';
 import { decodeFiles, type Decoded } from './codecs/decode.js';
 import { encodeGlb, type Encoding } from './codecs/encode.js';
 import { DecimeshError, invalidArgument } from './errors.js';
@@ -42,7 +43,7 @@ export interface Written {
 
 /**
  * Opens a model: glTF (.glb, .gltf with its files), OBJ (with its .mtl and textures), PLY, STL, OFF or SMF, told by
- * their content. Loads the engine if that is still to be done.
+ * their content; or a .zip of these. Loads the engine if that is still to be done.
  *
  * Rejects with a {@link DecimeshError} naming the place in the file, or with the signal's reason.
  */
@@ -60,7 +61,7 @@ export async function openDocument(input: DocumentInput, options: { signal?: Abo
 /** Opens files that are in memory; needs the engine to be loaded. Rejects as {@link openDocument} does. */
 export async function openFiles(files: readonly LoadedFile[], signal?: AbortSignal): Promise<Document> {
   const start = performance.now();
-  const decoded = await decodeFiles(files, signal);
+  const decoded = await decodeFiles(await unpackArchives(files, signal), signal);
   signal?.throwIfAborted();
   const bytes = files.reduce((sum, file) => sum + file.bytes.byteLength, 0);
   return openDecoded(decoded, bytes, start);
@@ -274,9 +275,9 @@ export class Document {
     // Another level may be selected while this one is encoded.
     const { deviation, milliseconds: measure = 0 } = this.#measured ?? {};
     const [level, before] = [this.#level, this.#timings];
-    const { bytes, warnings } = holdsEncodings(format) ? await encodeGlb(written, encoding) : { bytes: written, warnings: [] };
+    const { bytes, warnings, dropped } = holdsEncodings(format) ? await encodeGlb(written, encoding) : { bytes: written, warnings: [], dropped: 0 };
     const timings = { ...before, write: performance.now() - start, measure };
-    const output = { format, bytes: bytes.byteLength };
+    const output = { format, bytes: bytes.byteLength, triangles: (level?.triangles ?? this.summary.triangles) - dropped };
     const parts = { summary: this.summary, level, deviation, output, timings, losses: [...losses, ...warnings] };
     return { bytes, report: makeReport(parts) };
   }

@@ -69,7 +69,7 @@ export interface ReportParts {
   readonly level: LevelSummary | undefined;
   /** Undefined when it was not measured. */
   readonly deviation: Deviation | undefined;
-  readonly output: { readonly format: OutputFormat; readonly bytes: number };
+  readonly output: { readonly format: OutputFormat; readonly bytes: number; readonly triangles: number };
   readonly timings: Timings;
   /** What the output's format or encoding cannot hold. */
   readonly losses: readonly Warning[];
@@ -84,7 +84,7 @@ export function makeReport({ summary, level, deviation, output, timings, losses 
       path: null,
       format: output.format,
       bytes: output.bytes,
-      triangles: level?.triangles ?? triangles,
+      triangles: output.triangles,
       vertices: level?.vertices ?? vertices,
       meshes,
     },

@@ -1,6 +1,7 @@
 // The page as people use it: a real browser, real files, found by role and name. Any console error fails a test.
 import { readFileSync, readdirSync } from 'node:fs';
 import type { BrowserContextOptions, Page } from 'playwright-core';
+import { zipSync } from 'fflate';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
 import { openDocument } from 'decimesh';
 import { readFirstPrimitive, subdivide, writeGlb } from '../benches/support/subdivide.mjs';
@@ -173,6 +174,16 @@ describe('the main job', () => {
     const saved = await download();
     expect(await gltfErrors(new Uint8Array(saved.bytes))).toEqual([]);
     expect(saved.bytes.includes(ONE_PIXEL)).toBe(true);
+  });
+
+  it('takes a zip of a model with its files', async () => {
+    await openPage();
+    const obj = 'mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n';
+    const bytes = zipSync({ 'model/a.mtl': Buffer.from('newmtl red\nKd 1 0 0\n'), 'model/a.obj': Buffer.from(obj) });
+    await drop({ name: 'triangle.zip', bytes });
+    await ready();
+    expect(await page.title()).toContain('triangle');
+    expect(await page.getByRole('combobox', { name: 'File format' }).inputValue()).toBe('obj');
   });
 
   it('takes a glTF with its files', async () => {

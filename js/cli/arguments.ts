@@ -33,8 +33,8 @@ export const HELP = `decimesh: fewer triangles for 3D models, with the same look
   decimesh INPUTS… -d DIR [options]      many files, into a directory that is made if need be
   decimesh INPUT --json [options]        only a report
 
-Input is .glb, .gltf, .obj (their files are looked for in the same folder and below), .ply, .stl, .off or .smf, told
-by the content, whatever the extension says.
+Input is .glb, .gltf, .obj (their files are looked for in the same folder and below), .ply, .stl, .off or .smf, or a
+.zip of these, told by the content, whatever the extension says.
 
 How far (name one; of several, the first that is reached stops):
   -r, --ratio R        keep this share of the triangles, 0 to 1

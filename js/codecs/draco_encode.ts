@@ -54,8 +54,8 @@ interface Cube {
 export async function encodeDraco(data: GltfData): Promise<Encoded> {
   const triangles = data.triangles();
   const sources = triangles.flatMap((primitive) => gather(data, primitive) ?? []);
-  const warnings = warnOf(triangles.length - sources.length);
-  if (sources.length === 0) return { bytes: data.build(), warnings };
+  const left = triangles.length - sources.length;
+  if (sources.length === 0) return { bytes: data.build(), warnings: warnOf(left, 0), dropped: 0 };
   const cubes = cubesByMesh(data, sources);
   const encoder = await newDracoEncoder();
   const packed: Packed[] = [];
@@ -65,13 +65,17 @@ export async function encodeDraco(data: GltfData): Promise<Encoded> {
   }
   point(data, packed, accessorsToKeep(data, triangles, sources));
   requireExtension(data.tree, DRACO_EXTENSION);
-  return { bytes: data.build(), warnings };
+  const dropped = packed.reduce((sum, { source, faces }) => sum + source.indices.length / 3 - faces, 0);
+  return { bytes: data.build(), warnings: warnOf(left, dropped), dropped };
 }
 
-function warnOf(left: number): Warning[] {
-  if (left === 0) return [];
+function warnOf(left: number, dropped: number): Warning[] {
   const message = `${left} ${left === 1 ? 'primitive is' : 'primitives are'} not compressed: Draco has no morph targets and no 32-bit integers`;
-  return [{ code: 'not-compressed', message, where: '' }];
+  const degenerate = `${dropped} ${dropped === 1 ? 'triangle' : 'triangles'} without an area, which Draco cannot store, left out`;
+  return [
+    ...(left > 0 ? [{ code: 'not-compressed', message, where: '' }] : []),
+    ...(dropped > 0 ? [{ code: 'triangles-dropped', message: degenerate, where: '' }] : []),
+  ];
 }
 
 /**

@@ -16,19 +16,21 @@ export interface Encoding {
 export interface Encoded {
   readonly bytes: Uint8Array<ArrayBuffer>;
   readonly warnings: readonly Warning[];
+  /** Triangles without an area, which Draco leaves out. */
+  readonly dropped: number;
 }
 
 /** `glb`, as the engine wrote it, encoded anew; itself when there is nothing to do. */
 export async function encodeGlb(glb: Uint8Array<ArrayBuffer>, encoding: Encoding): Promise<Encoded> {
-  if (encoding.compress === 'none' && !encoding.quantize) return { bytes: glb, warnings: [] };
+  if (encoding.compress === 'none' && !encoding.quantize) return { bytes: glb, warnings: [], dropped: 0 };
   const data = new GltfData(glb);
   // Draco quantises by itself, and finer steps than its own would only cost.
   if (encoding.quantize && encoding.compress !== 'draco') quantize(data);
   switch (encoding.compress) {
     case 'none':
-      return { bytes: data.build(), warnings: [] };
+      return { bytes: data.build(), warnings: [], dropped: 0 };
     case 'meshopt':
-      return { bytes: await encodeMeshopt(data), warnings: [] };
+      return { bytes: await encodeMeshopt(data), warnings: [], dropped: 0 };
     case 'draco':
       return encodeDraco(data);
   }

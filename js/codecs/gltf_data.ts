@@ -181,7 +181,8 @@ export class GltfData {
     let unpacked = 0;
     for (let index = 0; index < views.length; index += 1) {
       const json = this.view(index);
-      // A view may not be empty.
+      // A view may not be empty, nor its stride longer than it is.
+      if (spare.has(index)) for (const key of ['byteStride', 'target']) delete json[key];
       const bytes = spare.has(index) ? new Uint8Array(4) : (this.views[index] as Uint8Array);
       const encoded = packed.get(index);
       const stored = encoded?.bytes ?? bytes;

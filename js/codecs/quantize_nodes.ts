@@ -32,6 +32,7 @@ export function placeableMeshes(data: GltfData): Set<number> {
 
 /** Places every node that shows a mesh with a grid. */
 export function placeMeshes(data: GltfData, grids: ReadonlyMap<number, Grid>): void {
+  if (objects(data.tree, 'nodes').length === 0) return;
   const nodes = arrayAt(data.tree, 'nodes');
   const skins = new Map<string, number>();
   const animated = new Map<number, Set<string>>();

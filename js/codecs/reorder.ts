@@ -84,6 +84,9 @@ function permute(data: GltfData, { view, offset, stride, size, count }: Layout, 
 
 function overwrite(data: GltfData, accessor: number, values: Uint32Array): void {
   const { view, offset, componentType } = data.layout(accessor) as Layout;
+  const json = data.accessor(accessor);
+  if (json['min'] !== undefined) json['min'] = [values.reduce((least, value) => Math.min(least, value), Infinity)];
+  if (json['max'] !== undefined) json['max'] = [values.reduce((most, value) => Math.max(most, value), 0)];
   const target = (data.views[view] as Uint8Array).slice();
   const narrow = componentType === 5121 ? Uint8Array.from(values) : componentType === 5123 ? Uint16Array.from(values) : values;
   target.set(new Uint8Array(narrow.buffer, narrow.byteOffset, narrow.byteLength), offset);
