@@ -2,15 +2,16 @@
 // The command line: reads the arguments, takes each file through, reports.
 
 import { readFile } from 'node:fs/promises';
-import { basename } from 'node:path';
+import { basename, dirname, join, parse } from 'node:path';
 import { HELP, readArguments, usage, type Command, type Job } from './cli/arguments.js';
 import { readInput } from './cli/input.js';
-import { checkWritable, makeDirectory, outputFormat, pathIn, refuseInputs, writeWhole } from './cli/output.js';
+import { checkWritable, makeDirectory, outputFormat, pathIn, refuseInputs, writeAll } from './cli/output.js';
 import { ProgressLine, errorLine, resultLine, warningLine } from './cli/text.js';
 import { openFiles } from './document.js';
 import { init } from './engine.js';
 import { holdsEncodings, usualFormat } from './formats.js';
 import { DecimeshError, errorToData, type ErrorData } from './errors.js';
+import type { LoadedFile } from './files.js';
 import type { Report } from './report.js';
 import type { OutputFormat, Warning, WriteOptions } from './types.js';
 
@@ -125,8 +126,12 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
       });
     }
     const start = performance.now();
-    const written = await document.write({ format, ...encoding });
-    if (output !== undefined) writeWhole(output, written.bytes);
+    const written = await document.write({ format, ...encoding, ...(output === undefined ? {} : { name: baseName(output) }) });
+    if (output !== undefined) {
+      const beside = written.files.map(({ name, bytes }) => ({ path: join(dirname(output), name), bytes }));
+      for (const file of beside) refuseInputs(file.path, inputFiles(path, input.files));
+      writeAll([{ path: output, bytes: written.bytes }, ...beside]);
+    }
     const write = performance.now() - start;
     const warnings = [...input.warnings, ...written.report.warnings];
     const report: Report = {
@@ -151,6 +156,17 @@ function encodingFor(format: OutputFormat, { compress, quantize }: Job): WriteOp
   if (compress !== undefined && compress !== 'none') throw usage('--compress', `.${format} has no compression; write to .glb`);
   if (quantize) throw usage('--quantize', `.${format} has no quantisation; write to .glb`);
   return {};
+}
+
+/** What the names of files beside `output` begin with. */
+function baseName(output: string): string {
+  // Characters that are no good in names elsewhere were good enough for this system.
+  return parse(output).name.replace(/[\u0000-\u001f/\\:*?"<>|]/g, '_').slice(0, 200) || 'model';
+}
+
+/** The paths of a model's files, which are next to it or below. */
+function inputFiles(path: string, files: readonly LoadedFile[]): string[] {
+  return files.map(({ name }, index) => (index === 0 ? path : join(dirname(path), name)));
 }
 
 function tellWarnings(warnings: readonly Warning[], path: string): void {

@@ -37,7 +37,9 @@ import type { Model } from './wasm/decimesh.js';
 /** A written file with the report on it. */
 export interface Written {
   readonly bytes: Uint8Array<ArrayBuffer>;
-  /** `path`s are null. */
+  /** What a `.gltf` refers to, under the names by which it does; empty for other formats. */
+  readonly files: ReadonlyArray<{ readonly name: string; readonly bytes: Uint8Array<ArrayBuffer> }>;
+  /** `path`s are null; the output's size is that of all files. */
   readonly report: Report;
 }
 
@@ -268,18 +270,23 @@ export class Document {
    * Rejects with `invalid-argument` for an unknown format and for an encoding that the format does not have.
    */
   async write(options: WriteOptions = {}): Promise<Written> {
-    const { format, ...encoding } = checkWriteOptions(options, this.summary);
+    const { format, name, ...encoding } = checkWriteOptions(options, this.summary);
+    // The engine knows glTF in one file, and the text is made of that.
+    const engineFormat = format === 'gltf' ? 'glb' : format;
     const start = performance.now();
-    const written = this.#model.call((model) => model.write(format)) as Uint8Array<ArrayBuffer>;
-    const losses = JSON.parse(this.#model.call((model) => model.losses(format))) as Warning[];
+    const written = this.#model.call((model) => model.write(engineFormat)) as Uint8Array<ArrayBuffer>;
+    const losses = JSON.parse(this.#model.call((model) => model.losses(engineFormat))) as Warning[];
     // Another level may be selected while this one is encoded.
     const { deviation, milliseconds: measure = 0 } = this.#measured ?? {};
     const [level, before] = [this.#level, this.#timings];
-    const { bytes, warnings, dropped } = holdsEncodings(format) ? await encodeGlb(written, encoding) : { bytes: written, warnings: [], dropped: 0 };
+    const { bytes, files, warnings, dropped } = holdsEncodings(format)
+      ? await encodeGlb(written, encoding, format === 'gltf' ? name : undefined)
+      : { bytes: written, files: [], warnings: [], dropped: 0 };
     const timings = { ...before, write: performance.now() - start, measure };
-    const output = { format, bytes: bytes.byteLength, triangles: (level?.triangles ?? this.summary.triangles) - dropped };
+    const size = files.reduce((sum, file) => sum + file.bytes.byteLength, bytes.byteLength);
+    const output = { format, bytes: size, triangles: (level?.triangles ?? this.summary.triangles) - dropped };
     const parts = { summary: this.summary, level, deviation, output, timings, losses: [...losses, ...warnings] };
-    return { bytes, report: makeReport(parts) };
+    return { bytes, files, report: makeReport(parts) };
   }
 
   /** Frees the document's memory; what runs rejects with `disposed`. May be called twice. */
@@ -293,14 +300,20 @@ export class Document {
   }
 }
 
-function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): Encoding & { format: OutputFormat } {
-  checkNames(options, ['format', 'compress', 'quantize']);
-  const { format = usualFormat(summary.format), quantize = false } = options;
+function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): Encoding & { format: OutputFormat; name: string } {
+  checkNames(options, ['format', 'name', 'compress', 'quantize']);
+  const { format = usualFormat(summary.format), name = 'model', quantize = false } = options;
   if (!isOutputFormat(format)) throw invalidArgument('format', `must be one of ${OUTPUT_FORMATS.join(', ')}`);
   const { compress = holdsEncodings(format) ? summary.compression : 'none' } = options;
   if (!isCompression(compress)) throw invalidArgument('compress', `must be one of ${COMPRESSIONS.join(', ')}`);
   if (typeof quantize !== 'boolean') throw invalidArgument('quantize', 'must be true or false');
   if (!holdsEncodings(format) && compress !== 'none') throw invalidArgument('compress', `${format} has no compression`);
   if (!holdsEncodings(format) && quantize) throw invalidArgument('quantize', `${format} has no quantisation`);
-  return { format, compress, quantize };
+  if (typeof name !== 'string' || !isFileName(name)) throw invalidArgument('name', 'must be a name for files, without a folder');
+  return { format, name, compress, quantize };
+}
+
+function isFileName(name: string): boolean {
+  // eslint-disable-next-line no-control-regex -- they are what is to be found
+  return name !== '' && name.length <= 200 && !/[\u0000-\u001f/\\:*?"<>|]/.test(name) && name !== '.' && name !== '..';
 }

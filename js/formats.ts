@@ -3,7 +3,7 @@
 import type { Compression, Format, OutputFormat } from './types.js';
 
 // A record and not a list, so that the compiler notices a format that is missing here.
-const OUTPUTS: Readonly<Record<OutputFormat, true>> = { glb: true, obj: true, ply: true, stl: true, off: true, smf: true };
+const OUTPUTS: Readonly<Record<OutputFormat, true>> = { glb: true, gltf: true, obj: true, ply: true, stl: true, off: true, smf: true };
 
 /** Every format that can be written, by its usual extension. */
 export const OUTPUT_FORMATS: readonly OutputFormat[] = Object.keys(OUTPUTS) as OutputFormat[];
@@ -13,14 +13,14 @@ export function isOutputFormat(value: unknown): value is OutputFormat {
   return typeof value === 'string' && Object.hasOwn(OUTPUTS, value);
 }
 
-/** The format to write for a document read from `format`: the same, or GLB where that cannot be written. */
+/** The format to write for a document read from `format`: the same, but one file for a glTF. */
 export function usualFormat(format: Format): OutputFormat {
-  return isOutputFormat(format) ? format : 'glb';
+  return format === 'gltf' ? 'glb' : format;
 }
 
 /** Whether a format can be compressed and quantised. */
 export function holdsEncodings(format: OutputFormat): boolean {
-  return format === 'glb';
+  return format === 'glb' || format === 'gltf';
 }
 
 // As above.

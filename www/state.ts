@@ -1,8 +1,9 @@
 // The page's one state value and the pure transitions between its values; nothing here fetches, draws or waits.
-import type { Compression, OutputFormat, Preset } from 'decimesh/worker';
+import type { Compression, OutputFormat as PackageFormat, Preset } from 'decimesh/worker';
 import type { Encoding } from './encoding.ts';
 
-export type { OutputFormat };
+/** What the page saves: formats of one file. */
+export type OutputFormat = Exclude<PackageFormat, 'gltf'>;
 
 /** The formats that the page can download, and what it calls them. */
 export const FORMAT_NAMES: Readonly<Record<OutputFormat, string>> = { glb: 'GLB', obj: 'OBJ', ply: 'PLY', stl: 'STL', off: 'OFF', smf: 'SMF' };

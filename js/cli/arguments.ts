@@ -28,8 +28,8 @@ export type Command = Job | { readonly action: 'help' } | { readonly action: 've
 
 export const HELP = `decimesh: fewer triangles for 3D models, with the same look
 
-  decimesh INPUT -o OUTPUT [options]     one file; its format by the extension: .glb, .obj, .ply,
-                                         .stl, .off, .smf
+  decimesh INPUT -o OUTPUT [options]     one file; its format by the extension: .glb, .gltf (with
+                                         its files beside it), .obj, .ply, .stl, .off, .smf
   decimesh INPUTS… -d DIR [options]      many files, into a directory that is made if need be
   decimesh INPUT --json [options]        only a report
 
@@ -51,8 +51,8 @@ How:
 Output:
   -o, --output FILE    replaced only when all went well; never the input itself
   -d, --directory DIR  INPUT in its own format, .gltf as .glb
-  --compress NAME      none, meshopt or draco, for .glb; default: as the input has it
-  --quantize           attributes as integers, for .glb (Draco does that by itself)
+  --compress NAME      none, meshopt or draco, for .glb and .gltf; default: as the input has it
+  --quantize           attributes as integers, for .glb and .gltf (Draco does that by itself)
   --measure            measure how far the result is from the original, both ways, and report it
   --json               a report on standard output: an object, or an array of them for several inputs
   -h, --help           this text

@@ -5,6 +5,7 @@ import { encodeDraco } from './draco_encode.js';
 import { GltfData } from './gltf_data.js';
 import { encodeMeshopt } from './meshopt_encode.js';
 import { quantize } from './quantize.js';
+import { separate, takeImages, type SideFile } from './separate.js';
 
 /** How to store the geometry. */
 export interface Encoding {
@@ -20,13 +21,30 @@ export interface Encoded {
   readonly dropped: number;
 }
 
-/** `glb`, as the engine wrote it, encoded anew; itself when there is nothing to do. */
-export async function encodeGlb(glb: Uint8Array<ArrayBuffer>, encoding: Encoding): Promise<Encoded> {
-  if (encoding.compress === 'none' && !encoding.quantize) return { bytes: glb, warnings: [], dropped: 0 };
+/** As {@link Encoded}, with what the file refers to. */
+export interface EncodedFiles extends Encoded {
+  /** Empty for a GLB. */
+  readonly files: readonly SideFile[];
+}
+
+/**
+ * `glb`, as the engine wrote it, encoded anew; itself when there is nothing to do. With `name`, as a .gltf and files
+ * whose names begin so.
+ */
+export async function encodeGlb(glb: Uint8Array<ArrayBuffer>, encoding: Encoding, name?: string): Promise<EncodedFiles> {
+  if (encoding.compress === 'none' && !encoding.quantize && name === undefined) return { bytes: glb, files: [], warnings: [], dropped: 0 };
   const data = new GltfData(glb);
+  const images = name === undefined ? [] : takeImages(data, name);
   // Draco quantises by itself, and finer steps than its own would only cost.
   if (encoding.quantize && encoding.compress !== 'draco') quantize(data);
-  switch (encoding.compress) {
+  const encoded = await compress(data, encoding.compress);
+  if (name === undefined) return { ...encoded, files: [] };
+  const { bytes, files } = separate(encoded.bytes, name);
+  return { ...encoded, bytes, files: [...files, ...images] };
+}
+
+async function compress(data: GltfData, compression: Compression): Promise<Encoded> {
+  switch (compression) {
     case 'none':
       return { bytes: data.build(), warnings: [], dropped: 0 };
     case 'meshopt':
