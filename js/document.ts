@@ -17,6 +17,7 @@ import {
   resolveRequest,
   resolveTargets,
 } from './options.js';
+import { partsOf, partsSource, type Parts, type PartsSource } from './parts.js';
 import { makeReport, type Deviation, type Report } from './report.js';
 import { Turn, runInSteps } from './run.js';
 import type {
@@ -63,13 +64,14 @@ export async function openDocument(input: DocumentInput, options: { signal?: Abo
 /** Opens files that are in memory; needs the engine to be loaded. Rejects as {@link openDocument} does. */
 export async function openFiles(files: readonly LoadedFile[], signal?: AbortSignal): Promise<Document> {
   const start = performance.now();
-  const decoded = await decodeFiles(await unpackArchives(files, signal), signal);
+  const unpacked = await unpackArchives(files, signal);
+  const decoded = await decodeFiles(unpacked, signal);
   signal?.throwIfAborted();
   const bytes = files.reduce((sum, file) => sum + file.bytes.byteLength, 0);
-  return openDecoded(decoded, bytes, start);
+  return openDecoded(decoded, unpacked, bytes, start);
 }
 
-function openDecoded({ files, compression }: Decoded, bytes: number, start: number): Document {
+function openDecoded({ files, compression }: Decoded, given: readonly LoadedFile[], bytes: number, start: number): Document {
   const model = new EngineObject('document', (engine) =>
     engine.Model.open(
       files.map(({ name }) => name),
@@ -79,7 +81,7 @@ function openDecoded({ files, compression }: Decoded, bytes: number, start: numb
   const found = JSON.parse(model.call((object) => object.summary())) as Omit<DocumentSummary, 'compression'>;
   // What was given counts, not what was decoded from it.
   const summary: DocumentSummary = { ...found, bytes, compression };
-  return new Document(model, summary, performance.now() - start);
+  return new Document(model, summary, performance.now() - start, partsSource(given, summary.format));
 }
 
 /**
@@ -114,6 +116,8 @@ export class Document {
   readonly summary: DocumentSummary;
   readonly #model: EngineObject<Model>;
   readonly #timings: { read: number; simplify: number };
+  /** What the input was made of; sorted when a report wants it. */
+  #source: PartsSource | Parts;
   readonly #simplifying = new Turn('simplify');
   readonly #measuring = new Turn('measure');
   #level: LevelSummary | undefined;
@@ -125,8 +129,9 @@ export class Document {
   #measured: { readonly deviation: Deviation; readonly milliseconds: number } | undefined;
 
   /** @internal Use {@link openDocument}. */
-  constructor(model: EngineObject<Model>, summary: DocumentSummary, readMilliseconds: number) {
+  constructor(model: EngineObject<Model>, summary: DocumentSummary, readMilliseconds: number, source: PartsSource) {
     this.#model = model;
+    this.#source = source;
     this.summary = summary;
     this.#timings = { read: readMilliseconds, simplify: 0 };
   }
@@ -284,8 +289,10 @@ export class Document {
       : { bytes: written, files: [], warnings: [], dropped: 0 };
     const timings = { ...before, write: performance.now() - start, measure };
     const size = files.reduce((sum, file) => sum + file.bytes.byteLength, bytes.byteLength);
-    const output = { format, bytes: size, triangles: (level?.triangles ?? this.summary.triangles) - dropped };
-    const parts = { summary: this.summary, level, deviation, output, timings, losses: [...losses, ...warnings] };
+    const made = partsOf(partsSource([{ name: `output.${format}`, bytes }, ...files], format));
+    if ('files' in this.#source) this.#source = partsOf(this.#source);
+    const output = { format, bytes: size, parts: made, triangles: (level?.triangles ?? this.summary.triangles) - dropped };
+    const parts = { summary: this.summary, level, deviation, output, parts: this.#source, timings, losses: [...losses, ...warnings] };
     return { bytes, files, report: makeReport(parts) };
   }
 

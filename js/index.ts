@@ -6,6 +6,7 @@ export { PRESETS } from './options.js';
 export { openDocument, externalFiles, type Document, type Written } from './document.js';
 export { simplify, simplifySequence, type MeshSequence } from './simplify.js';
 export { DecimeshError, type EngineErrorCode, type ErrorCode, type HostErrorCode } from './errors.js';
+export type { Parts } from './parts.js';
 export type { Deviation, Report, ReportedFile, SideDeviation, Timings } from './report.js';
 export type {
   AttributeArray,
