@@ -1,5 +1,6 @@
 // A GLB of the engine in the encoding that was asked for.
 
+import { DecimeshError } from '../errors.js';
 import type { Compression, Warning } from '../types.js';
 import { encodeDraco } from './draco_encode.js';
 import { GltfData } from './gltf_data.js';
@@ -37,7 +38,11 @@ export async function encodeGlb(glb: Uint8Array<ArrayBuffer>, encoding: Encoding
   const images = name === undefined ? [] : takeImages(data, name);
   // Draco quantises by itself, and finer steps than its own would only cost.
   if (encoding.quantize && encoding.compress !== 'draco') quantize(data);
-  const encoded = await compress(data, encoding.compress);
+  const encoded = await compress(data, encoding.compress).catch((error: unknown) => {
+    if (error instanceof DecimeshError) throw error;
+    // The encoders' own memory is at its end.
+    throw new DecimeshError('too-large', `the geometry is too large for ${encoding.compress}`, 'compress', { cause: error });
+  });
   if (name === undefined) return { ...encoded, files: [] };
   const { bytes, files } = separate(encoded.bytes, name);
   return { ...encoded, bytes, files: [...files, ...images] };

@@ -27,6 +27,7 @@ interface Replacement {
 export function quantize(data: GltfData): void {
   const triangles = data.triangles();
   const elsewhere = data.usedElsewhere(triangles);
+  for (const accessor of ambiguous(triangles)) elsewhere.add(accessor);
   const replacements = new Map<number, Replacement>();
   const [grids, positions] = quantizePositions(data, triangles, elsewhere);
   for (const [accessor, replacement] of positions) replacements.set(accessor, replacement);
@@ -40,6 +41,18 @@ export function quantize(data: GltfData): void {
   store(data, replacements);
   placeMeshes(data, grids);
   requireExtension(data.tree, 'KHR_mesh_quantization');
+}
+
+/** Accessors that are several things at once, of which each would be rounded in its own way. */
+function ambiguous(triangles: readonly Triangles[]): Set<number> {
+  const uses = new Map<number, string>();
+  const found = new Set<number>();
+  for (const [semantic, accessor, isTarget] of triangles.flatMap(namedAccessors)) {
+    const use = `${semantic.replace(/_\d+$/, '')}/${isTarget}`;
+    if ((uses.get(accessor) ?? use) !== use) found.add(accessor);
+    uses.set(accessor, use);
+  }
+  return found;
 }
 
 function namedAccessors({ attributes, targets }: Triangles): Array<[semantic: string, accessor: number, isTarget: boolean]> {
