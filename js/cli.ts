@@ -2,18 +2,19 @@
 // The command line: reads the arguments, takes each file through, reports.
 
 import { readFile } from 'node:fs/promises';
-import { basename } from 'node:path';
+import { basename, dirname, join, parse } from 'node:path';
 import { HELP, readArguments, usage, type Command, type Job } from './cli/arguments.js';
 import { readInput } from './cli/input.js';
-import { checkWritable, makeDirectory, outputFormat, pathIn, refuseInputs, writeWhole } from './cli/output.js';
+import { checkWritable, makeDirectory, outputFormat, pathIn, refuseInputs, writeAll } from './cli/output.js';
 import { ProgressLine, errorLine, resultLine, warningLine } from './cli/text.js';
 import { openFiles, type Document, type Written } from './document.js';
 import { init } from './engine.js';
-import { usualFormat } from './formats.js';
+import { holdsEncodings, usualFormat } from './formats.js';
 import { DecimeshError, errorToData, type ErrorData } from './errors.js';
+import type { LoadedFile } from './files.js';
 import type { Report } from './report.js';
 import { screenCoverages } from './screen.js';
-import type { OutputFormat, Warning } from './types.js';
+import type { OutputFormat, Warning, WriteOptions } from './types.js';
 
 /** In place of a report, for a file among several that failed. */
 interface FailedReport {
@@ -112,6 +113,7 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
     const oneFile = directory === undefined;
     const usual = lods !== undefined && oneFile ? 'glb' : usualFormat(document.summary.format);
     const format = named === undefined ? usual : outputFormat(named);
+    const encoding = encodingFor(format, job);
     const levels = lods === undefined || oneFile ? [undefined] : lods.map((_, level) => level);
     const outputs = levels.map((level) => named ?? (directory === undefined ? undefined : pathIn(directory, path, format, level)));
     for (const output of outputs) {
@@ -128,11 +130,15 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
     if (measure && size === undefined) await document.measure({ onProgress: onMeasured });
     const start = performance.now();
     const written = lods !== undefined && !oneFile
-      ? await writeLevels(document, lods, format, outputs)
-      : await document.write({ format, size, lods });
+      ? await writeLevels(document, lods, { format, ...encoding }, outputs)
+      : await document.write({ format, ...encoding, size, lods, ...nameOf(outputs[0]) });
     if (lods === undefined || oneFile) {
       const [output] = outputs;
-      if (output !== undefined) writeWhole(output, written.bytes);
+      if (output !== undefined) {
+        const beside = filesBeside(output, written);
+        for (const file of beside) refuseInputs(file.path, inputFiles(path, input.files));
+        writeAll([{ path: output, bytes: written.bytes }, ...beside]);
+      }
     }
     const write = performance.now() - start;
     const deviation = measure && size !== undefined ? await document.measure({ onProgress: onMeasured }) : written.report.deviation;
@@ -158,18 +164,18 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
 async function writeLevels(
   document: Document,
   ratios: readonly number[],
-  format: OutputFormat,
+  options: WriteOptions,
   outputs: ReadonlyArray<string | undefined>,
 ): Promise<Written> {
   const files: Written[] = [];
   for (const ratio of ratios) {
     await document.level({ ratio });
-    files.push(await document.write({ format }));
+    files.push(await document.write({ ...options, ...nameOf(outputs[files.length]) }));
   }
-  for (const [index, { bytes }] of files.entries()) {
+  writeAll(files.flatMap((written, index) => {
     const output = outputs[index];
-    if (output !== undefined) writeWhole(output, bytes);
-  }
+    return output === undefined ? [] : [{ path: output, bytes: written.bytes }, ...filesBeside(output, written)];
+  }));
   const errors = files.map(({ report }) => report.estimatedError);
   const coverages = screenCoverages(errors, document.summary.diagonal);
   const lods = files.map(({ report: { output, estimatedError } }, index) => ({
@@ -182,6 +188,34 @@ async function writeLevels(
   }));
   const [first] = files as [Written];
   return { ...first, report: { ...first.report, lods } };
+}
+
+/** What was asked for; throws `usage` if the format does not have it, and leaves out what is the default there. */
+function encodingFor(format: OutputFormat, { compress, quantize }: Job): WriteOptions {
+  if (holdsEncodings(format)) return { compress, quantize };
+  if (compress !== undefined && compress !== 'none') throw usage('--compress', `.${format} has no compression; write to .glb`);
+  if (quantize) throw usage('--quantize', `.${format} has no quantisation; write to .glb`);
+  return {};
+}
+
+/** The files that a model refers to, next to where it goes. */
+function filesBeside(output: string, { files }: Written): { path: string; bytes: Uint8Array }[] {
+  return files.map(({ name, bytes }) => ({ path: join(dirname(output), name), bytes }));
+}
+
+function nameOf(output: string | undefined): WriteOptions {
+  return output === undefined ? {} : { name: baseName(output) };
+}
+
+/** What the names of files beside `output` begin with. */
+function baseName(output: string): string {
+  // Characters that are no good in names elsewhere were good enough for this system.
+  return parse(output).name.replace(/[\u0000-\u001f/\\:*?"<>|]/g, '_').slice(0, 200) || 'model';
+}
+
+/** The paths of a model's files, which are next to it or below. */
+function inputFiles(path: string, files: readonly LoadedFile[]): string[] {
+  return files.map(({ name }, index) => (index === 0 ? path : join(dirname(path), name)));
 }
 
 function tellWarnings(warnings: readonly Warning[], path: string): void {

@@ -1,9 +1,11 @@
 // A document: a whole file in the engine, simplified in steps, looked at and written at any level.
 
+import { unpackArchives } from './codecs/archive.js';
 import { decodeFiles, type Decoded } from './codecs/decode.js';
+import { encodeGlb, type EncodedFiles, type Encoding } from './codecs/encode.js';
 import { DecimeshError, invalidArgument } from './errors.js';
 import { EngineObject, callEngine, init } from './engine.js';
-import { isOutputFormat, OUTPUT_FORMATS, usualFormat } from './formats.js';
+import { COMPRESSIONS, OUTPUT_FORMATS, holdsEncodings, isCompression, isOutputFormat, usualFormat } from './formats.js';
 import { listFiles, loadFiles, type LoadedFile } from './files.js';
 import {
   DOCUMENT_SIMPLIFY_NAMES,
@@ -17,6 +19,7 @@ import {
   type SimplifyRequest,
 } from './options.js';
 import { packLods } from './lods.js';
+import { partsOf, partsSource, type Parts, type PartsSource } from './parts.js';
 import { makeReport, type Deviation, type Report, type ReportedLod } from './report.js';
 import { Turn, runInSteps } from './run.js';
 import { screenCoverages } from './screen.js';
@@ -37,16 +40,28 @@ import type {
 } from './types.js';
 import type { Model } from './wasm/decimesh.js';
 
+/** A level as the bytes of files, and where the document stood when it was taken. */
+interface EncodedLevel extends EncodedFiles {
+  readonly losses: readonly Warning[];
+  readonly state: {
+    readonly level: LevelSummary | undefined;
+    readonly timings: { readonly read: number; readonly simplify: number };
+    readonly measured: { readonly deviation: Deviation; readonly milliseconds: number } | undefined;
+  };
+}
+
 /** A written file with the report on it. */
 export interface Written {
   readonly bytes: Uint8Array<ArrayBuffer>;
-  /** `path`s are null. */
+  /** What a `.gltf` refers to, under the names by which it does; empty for other formats. */
+  readonly files: ReadonlyArray<{ readonly name: string; readonly bytes: Uint8Array<ArrayBuffer> }>;
+  /** `path`s are null; the output's size is that of all files. */
   readonly report: Report;
 }
 
 /**
  * Opens a model: glTF (.glb, .gltf with its files), OBJ (with its .mtl and textures), PLY, STL, OFF or SMF, told by
- * their content. Loads the engine if that is still to be done.
+ * their content; or a .zip of these. Loads the engine if that is still to be done.
  *
  * Rejects with a {@link DecimeshError} naming the place in the file, or with the signal's reason.
  */
@@ -64,13 +79,14 @@ export async function openDocument(input: DocumentInput, options: { signal?: Abo
 /** Opens files that are in memory; needs the engine to be loaded. Rejects as {@link openDocument} does. */
 export async function openFiles(files: readonly LoadedFile[], signal?: AbortSignal): Promise<Document> {
   const start = performance.now();
-  const decoded = await decodeFiles(files, signal);
+  const unpacked = await unpackArchives(files, signal);
+  const decoded = await decodeFiles(unpacked, signal);
   signal?.throwIfAborted();
   const bytes = files.reduce((sum, file) => sum + file.bytes.byteLength, 0);
-  return openDecoded(decoded, bytes, start);
+  return openDecoded(decoded, unpacked, bytes, start);
 }
 
-function openDecoded({ files, compression }: Decoded, bytes: number, start: number): Document {
+function openDecoded({ files, compression }: Decoded, given: readonly LoadedFile[], bytes: number, start: number): Document {
   const model = new EngineObject('document', (engine) =>
     engine.Model.open(
       files.map(({ name }) => name),
@@ -80,7 +96,7 @@ function openDecoded({ files, compression }: Decoded, bytes: number, start: numb
   const found = JSON.parse(model.call((object) => object.summary())) as Omit<DocumentSummary, 'compression'>;
   // What was given counts, not what was decoded from it.
   const summary: DocumentSummary = { ...found, bytes, compression };
-  return new Document(model, summary, performance.now() - start);
+  return new Document(model, summary, performance.now() - start, partsSource(given, summary.format));
 }
 
 /**
@@ -118,6 +134,8 @@ export class Document {
   readonly summary: DocumentSummary;
   readonly #model: EngineObject<Model>;
   readonly #timings: { read: number; simplify: number };
+  /** What the input was made of; sorted when a report wants it. */
+  #source: PartsSource | Parts;
   readonly #simplifying = new Turn('simplify');
   readonly #measuring = new Turn('measure');
   #level: LevelSummary | undefined;
@@ -129,8 +147,9 @@ export class Document {
   #measured: { readonly deviation: Deviation; readonly milliseconds: number } | undefined;
 
   /** @internal Use {@link openDocument}. */
-  constructor(model: EngineObject<Model>, summary: DocumentSummary, readMilliseconds: number) {
+  constructor(model: EngineObject<Model>, summary: DocumentSummary, readMilliseconds: number, source: PartsSource) {
     this.#model = model;
+    this.#source = source;
     this.summary = summary;
     this.#timings = { read: readMilliseconds, simplify: 0 };
   }
@@ -280,34 +299,65 @@ export class Document {
    * Writes the selected level, full detail before the first simplification; with `size` the largest recorded level that
    * fits, with `lods` a chain of them. The level written, of a chain the first, is the selected one afterwards.
    *
-   * Rejects with `invalid-argument` for an unknown format, for `lods` in another format than GLB, and for `size` beside
-   * `lods`; with `unsupported` for an encoding that is still to come; with `wrong-state` for `size` and `lods` before the
-   * first simplification.
+   * Rejects with `invalid-argument` for an unknown format, for an encoding that the format does not have, for `lods` in
+   * another format than GLB, and for `size` beside `lods`; with `wrong-state` for `size` and `lods` before the first
+   * simplification.
    */
   async write(options: WriteOptions = {}): Promise<Written> {
-    const format = checkWriteOptions(options, this.summary);
+    const { format, name, ...encoding } = checkWriteOptions(options, this.summary);
+    const gltfName = format === 'gltf' ? name : undefined;
     const start = performance.now();
-    const chain = options.lods && (await this.#writeChain(options.lods, options.lodSwitch));
-    const bytes =
-      chain?.bytes ?? (options.size === undefined ? await this.#encode(format) : await this.#writeWithin(options.size, format));
-    const { deviation, milliseconds: measure = 0 } = this.#measured ?? {};
-    const timings = { ...this.#timings, write: performance.now() - start, measure };
-    const output = { format, bytes: bytes.byteLength };
-    const losses = JSON.parse(this.#model.call((model) => model.losses(format))) as Warning[];
-    if (options.size !== undefined && bytes.byteLength > options.size) {
-      const message = `the smallest recorded level takes ${bytes.byteLength} bytes`;
-      losses.push({ code: 'size-not-reached', message, where: '' });
+    const chain = options.lods && (await this.#writeChain(options.lods, options.lodSwitch, encoding, gltfName));
+    const encoded =
+      chain?.encoded ??
+      (options.size === undefined
+        ? await this.#encode(format, encoding, gltfName)
+        : await this.#writeWithin(options.size, format, encoding, gltfName));
+    const { bytes, files, warnings, dropped, losses, state } = encoded;
+    const { deviation, milliseconds: measure = 0 } = state.measured ?? {};
+    const timings = { ...state.timings, write: performance.now() - start, measure };
+    const size = sizeOf(encoded);
+    const told = [...losses, ...warnings];
+    if (options.size !== undefined && size > options.size) {
+      told.push({ code: 'size-not-reached', message: `the smallest recorded level takes ${size} bytes`, where: '' });
     }
-    const parts = { summary: this.summary, level: this.#level, deviation, output, timings, losses, lods: chain?.lods };
-    return { bytes, report: makeReport(parts) };
+    const made = partsOf(partsSource([{ name: `output.${format}`, bytes }, ...files], format));
+    if ('files' in this.#source) this.#source = partsOf(this.#source);
+    const { level } = state;
+    const output = { format, bytes: size, parts: made, triangles: (level?.triangles ?? this.summary.triangles) - dropped };
+    const report = { summary: this.summary, level, deviation, output, parts: this.#source, timings, losses: told, lods: chain?.lods };
+    return { bytes, files, report: makeReport(report) };
   }
 
   /** The selected level as the bytes of a file. Everything that is written comes from here. */
-  async #encode(format: OutputFormat): Promise<Uint8Array<ArrayBuffer>> {
-    return this.#model.call((model) => model.write(format)) as Uint8Array<ArrayBuffer>;
+  async #encode(format: OutputFormat, encoding: Encoding, gltfName: string | undefined): Promise<EncodedLevel> {
+    // The engine knows glTF in one file, and the text is made of that.
+    const engineFormat = format === 'gltf' ? 'glb' : format;
+    const written = this.#model.call((model) => model.write(engineFormat)) as Uint8Array<ArrayBuffer>;
+    return this.#encodeWritten(written, format, encoding, gltfName);
   }
 
-  async #writeWithin(limit: number, format: OutputFormat): Promise<Uint8Array<ArrayBuffer>> {
+  async #encodeWritten(
+    written: Uint8Array<ArrayBuffer>,
+    format: OutputFormat,
+    encoding: Encoding,
+    gltfName: string | undefined,
+  ): Promise<EncodedLevel> {
+    const losses = JSON.parse(this.#model.call((model) => model.losses(format === 'gltf' ? 'glb' : format))) as Warning[];
+    // Another level may be selected while this one is encoded.
+    const state = { level: this.#level, timings: { ...this.#timings }, measured: this.#measured };
+    const encoded = holdsEncodings(format)
+      ? await encodeGlb(written, encoding, gltfName)
+      : { bytes: written, files: [], warnings: [], dropped: 0 };
+    return { ...encoded, losses, state };
+  }
+
+  async #writeWithin(
+    limit: number,
+    format: OutputFormat,
+    encoding: Encoding,
+    gltfName: string | undefined,
+  ): Promise<EncodedLevel> {
     const { triangles: most, wedgeSets } = this.summary;
     // Numbers of four bytes for every vertex, and half of the indices in two.
     const vertexBytes = wedgeSets.map(({ vertices, attributes }) =>
@@ -316,8 +366,8 @@ export class Document {
     const { triangles: least } = await this.level({ triangles: 0 });
     const found = await findSize(limit, { least, most, bytesPerTriangle }, async (wanted) => {
       const { triangles } = await this.level(wanted >= most ? {} : { triangles: wanted });
-      const output = await this.#encode(format);
-      return { triangles, bytes: output.byteLength, output };
+      const output = await this.#encode(format, encoding, gltfName);
+      return { triangles, bytes: sizeOf(output), output };
     });
     // The last one that was tried need not be the one that fits.
     await this.level({ triangles: found.bytes > limit ? 0 : found.triangles });
@@ -327,7 +377,9 @@ export class Document {
   async #writeChain(
     wanted: NonNullable<WriteOptions['lods']>,
     lodSwitch: LodSwitch | undefined,
-  ): Promise<{ bytes: Uint8Array<ArrayBuffer>; lods: ReportedLod[] }> {
+    encoding: Encoding,
+    gltfName: string | undefined,
+  ): Promise<{ encoded: EncodedLevel; lods: ReportedLod[] }> {
     const targets = wanted.map((target) => (typeof target === 'number' ? { ratio: target } : target));
     const levels = new Map<number, { level: LevelSummary; targets: LevelTargets }>();
     for (const target of targets) {
@@ -341,7 +393,7 @@ export class Document {
     // The first one last: it stays selected.
     for (const { targets: target } of [...chain].reverse()) {
       await this.level(target);
-      files.unshift(await this.#encode('glb'));
+      files.unshift(this.#model.call((model) => model.write('glb')));
     }
     const lods = chain.map(({ level }, index) => ({
       triangles: level.triangles,
@@ -349,7 +401,7 @@ export class Document {
       estimatedError: level.estimatedError,
       screenCoverage: coverages[index] as number,
     }));
-    return { bytes: packLods(files, coverages), lods };
+    return { encoded: await this.#encodeWritten(packLods(files, coverages), 'glb', encoding, gltfName), lods };
   }
 
   /** Frees the document's memory; what runs rejects with `disposed`. May be called twice. */
@@ -363,9 +415,13 @@ export class Document {
   }
 }
 
-function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): OutputFormat {
-  checkNames(options, ['format', 'compress', 'size', 'lods', 'lodSwitch']);
-  const { size, lods, compress = 'none' } = options;
+function sizeOf({ bytes, files }: EncodedLevel): number {
+  return files.reduce((sum, file) => sum + file.bytes.byteLength, bytes.byteLength);
+}
+
+function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): Encoding & { format: OutputFormat; name: string } {
+  checkNames(options, ['format', 'name', 'compress', 'quantize', 'size', 'lods', 'lodSwitch']);
+  const { size, lods, name = 'model', quantize = false } = options;
   const { format = lods === undefined ? usualFormat(summary.format) : 'glb' } = options;
   if (size !== undefined && (typeof size !== 'number' || !(size > 0))) {
     throw invalidArgument('size', 'must be a number of bytes above 0');
@@ -378,8 +434,16 @@ function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): Out
     if (size !== undefined) throw invalidArgument('size', 'cannot be asked of a chain of levels');
   }
   if (!isOutputFormat(format)) throw invalidArgument('format', `must be one of ${OUTPUT_FORMATS.join(', ')}`);
-  if (compress !== 'none') {
-    throw new DecimeshError('unsupported', `compression '${String(compress)}' is not supported yet`, 'compress');
-  }
-  return format;
+  const { compress = holdsEncodings(format) ? summary.compression : 'none' } = options;
+  if (!isCompression(compress)) throw invalidArgument('compress', `must be one of ${COMPRESSIONS.join(', ')}`);
+  if (typeof quantize !== 'boolean') throw invalidArgument('quantize', 'must be true or false');
+  if (!holdsEncodings(format) && compress !== 'none') throw invalidArgument('compress', `${format} has no compression`);
+  if (!holdsEncodings(format) && quantize) throw invalidArgument('quantize', `${format} has no quantisation`);
+  if (typeof name !== 'string' || !isFileName(name)) throw invalidArgument('name', 'must be a name for files, without a folder');
+  return { format, name, compress, quantize };
+}
+
+function isFileName(name: string): boolean {
+  // eslint-disable-next-line no-control-regex -- they are what is to be found
+  return name !== '' && name.length <= 200 && !/[\u0000-\u001f/\\:*?"<>|]/.test(name) && name !== '.' && name !== '..';
 }

@@ -1,11 +1,12 @@
 // The package's public surface.
 
 export { init, type WasmSource } from './engine.js';
-export { OUTPUT_FORMATS } from './formats.js';
+export { COMPRESSIONS, OUTPUT_FORMATS } from './formats.js';
 export { PRESETS } from './options.js';
 export { openDocument, externalFiles, type Document, type Written } from './document.js';
 export { simplify, simplifySequence, type MeshSequence } from './simplify.js';
 export { DecimeshError, type EngineErrorCode, type ErrorCode, type HostErrorCode } from './errors.js';
+export type { Parts } from './parts.js';
 export type { Deviation, Report, ReportedFile, ReportedLod, SideDeviation, Timings } from './report.js';
 export type {
   AttributeArray,

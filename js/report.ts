@@ -1,5 +1,6 @@
 // The report of one file's way through: what went in, what came out, how far they differ, how long it took.
 
+import type { Parts } from './parts.js';
 import type { DocumentSummary, Format, LevelSummary, OutputFormat, StopReason, Warning } from './types.js';
 
 /** A file in a report. */
@@ -11,6 +12,8 @@ export interface ReportedFile<FileFormat extends Format = Format> {
   readonly triangles: number;
   readonly vertices: number;
   readonly meshes: number;
+  /** Where the bytes are. */
+  readonly parts: Parts;
 }
 
 /** Measured distances of one surface's samples from the other surface, model units. */
@@ -85,26 +88,29 @@ export interface ReportParts {
   readonly level: LevelSummary | undefined;
   /** Undefined when it was not measured. */
   readonly deviation: Deviation | undefined;
-  readonly output: { readonly format: OutputFormat; readonly bytes: number };
+  readonly output: { readonly format: OutputFormat; readonly bytes: number; readonly triangles: number; readonly parts: Parts };
+  /** Of the input. */
+  readonly parts: Parts;
   readonly timings: Timings;
-  /** What the output format cannot hold. */
+  /** What the output's format or encoding cannot hold. */
   readonly losses: readonly Warning[];
   /** Undefined without a chain. */
   readonly lods?: readonly ReportedLod[] | undefined;
 }
 
 /** Puts a report together; both paths are null, for the caller to fill in. */
-export function makeReport({ summary, level, deviation, output, timings, losses, lods }: ReportParts): Report {
+export function makeReport({ summary, level, deviation, output, parts, timings, losses, lods }: ReportParts): Report {
   const { format, bytes, triangles, vertices, meshes, warnings } = summary;
   return {
-    input: { path: null, format, bytes, triangles, vertices, meshes },
+    input: { path: null, format, bytes, triangles, vertices, meshes, parts },
     output: {
       path: null,
       format: output.format,
       bytes: output.bytes,
-      triangles: level?.triangles ?? triangles,
+      triangles: output.triangles,
       vertices: level?.vertices ?? vertices,
       meshes,
+      parts: output.parts,
     },
     stopReason: level?.stopReason ?? null,
     estimatedError: level?.estimatedError ?? 0,

@@ -6,8 +6,8 @@ export type Format = 'glb' | 'gltf' | 'obj' | 'ply' | 'stl' | 'off' | 'smf';
 /** How the geometry of a glTF is stored: plainly, by `EXT_meshopt_compression` (or its KHR successor), or by Draco. */
 export type Compression = 'none' | 'meshopt' | 'draco';
 
-/** A format that can be written. */
-export type OutputFormat = Exclude<Format, 'gltf'>;
+/** A format that can be written: all that can be read. */
+export type OutputFormat = Format;
 
 /**
  * Why there are not fewer triangles: the count was reached, the next step would exceed the error, nothing more can be
@@ -179,12 +179,26 @@ export interface MeasureOptions {
 /** How to write. */
 export interface WriteOptions {
   /**
-   * Default: the format that was read, `'glb'` for glTF. PLY and STL are written in binary. What the format cannot hold
+   * Default: the format that was read, `'glb'` for glTF. `'gltf'` is text with files beside it, in `Written.files`. PLY and STL are written in binary. What the format cannot hold
    * is left out, with one warning in the report.
    */
   readonly format?: OutputFormat | undefined;
-  /** Only `'none'` (default) is supported yet. */
-  readonly compress?: 'none' | undefined;
+  /**
+   * What the names of the files beside a `'gltf'` begin with; letters that a file name may have. Default `'model'`.
+   */
+  readonly name?: string | undefined;
+  /**
+   * How to store the geometry of a GLB or glTF. `'meshopt'` loses nothing, and puts triangles and vertices in the order of the
+   * caches; `'draco'` is smaller, slower to read, and rounds positions to 1/16383 of the mesh's extent. Default: as the
+   * input had it (`summary.compression`); `'none'` for other formats, which have nothing else.
+   */
+  readonly compress?: Compression | undefined;
+  /**
+   * Stores attributes of a GLB or glTF as integers (`KHR_mesh_quantization`): positions on a grid of 14 bits of the mesh's
+   * extent, normals of 10, texture coordinates of 14. Draco does so by itself. Default false; what the input had as
+   * integers stays that.
+   */
+  readonly quantize?: boolean | undefined;
   /**
    * The largest the output may be, bytes > 0: selects and writes the largest recorded level that fits, or the smallest
    * there is, with the stop reason it has. Encodes at most four times. Needs a simplification whose levels all count.

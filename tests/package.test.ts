@@ -161,7 +161,9 @@ describe('a document', () => {
     using document = await openDocument(file(4));
     await expect(document.level({ triangles: 5 })).rejects.toEqual(coded('wrong-state'));
     await expect(document.write({ format: 'fbx' as 'glb' })).rejects.toEqual(coded('invalid-argument', 'format'));
-    await expect(document.write({ compress: 'draco' as 'none' })).rejects.toEqual(coded('unsupported', 'compress'));
+    await expect(document.write({ compress: 'zip' as 'none' })).rejects.toEqual(coded('invalid-argument', 'compress'));
+    await expect(document.write({ format: 'obj', compress: 'draco' })).rejects.toEqual(coded('invalid-argument', 'compress'));
+    await expect(document.write({ format: 'stl', quantize: true })).rejects.toEqual(coded('invalid-argument', 'quantize'));
     await expect(openDocument('file.glb' as unknown as ArrayBuffer)).rejects.toEqual(coded('invalid-argument', 'input'));
     await expect(openDocument([])).rejects.toEqual(coded('invalid-argument', 'input'));
   });

@@ -1,6 +1,7 @@
 // The page as people use it: a real browser, real files, found by role and name. Any console error fails a test.
 import { readFileSync, readdirSync } from 'node:fs';
 import type { BrowserContextOptions, Page } from 'playwright-core';
+import { zipSync } from 'fflate';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
 import { openDocument } from 'decimesh';
 import { readFirstPrimitive, subdivide, writeGlb } from '../benches/support/subdivide.mjs';
@@ -103,6 +104,25 @@ describe('the main job', () => {
     expect(await page.getByRole('combobox', { name: 'Animation' }).locator('option').count()).toBe(4);
   });
 
+  it('opens compressed models, keeps their compression, and saves with another', async () => {
+    await openPage();
+    for (const compression of ['meshopt', 'draco'] as const) {
+      if (compression === 'meshopt') await drop({ name: 'box.glb', bytes: fixture('codecs', 'BoxMeshopt.glb') });
+      else await drop({ name: 'box.gltf', bytes: fixture('codecs', 'BoxDraco', 'BoxDraco.gltf') }, { name: '0.bin', bytes: fixture('codecs', 'BoxDraco', '0.bin') });
+      await ready();
+      expect(await page.getByRole('combobox', { name: 'Compression' }).inputValue()).toBe(compression);
+      using kept = await openDocument(new Uint8Array((await download()).bytes));
+      expect(kept.summary.compression).toBe(compression);
+    }
+    await page.getByRole('combobox', { name: 'Compression' }).selectOption('Meshopt, quantised');
+    const saved = await download();
+    expect(await gltfErrors(new Uint8Array(saved.bytes))).toEqual([]);
+    using packed = await openDocument(new Uint8Array(saved.bytes));
+    expect(packed.summary).toMatchObject({ compression: 'meshopt', triangles: 12 });
+    await page.getByRole('combobox', { name: 'File format' }).selectOption('OBJ');
+    expect(await page.getByRole('combobox', { name: 'Compression' }).count()).toBe(0);
+  });
+
   it('saves OBJ under the original name', async () => {
     await openPage();
     await drop({ name: 'my model.v2.obj', bytes: fixture('obj', 'concave.obj') });
@@ -154,6 +174,16 @@ describe('the main job', () => {
     const saved = await download();
     expect(await gltfErrors(new Uint8Array(saved.bytes))).toEqual([]);
     expect(saved.bytes.includes(ONE_PIXEL)).toBe(true);
+  });
+
+  it('takes a zip of a model with its files', async () => {
+    await openPage();
+    const obj = 'mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n';
+    const bytes = zipSync({ 'model/a.mtl': Buffer.from('newmtl red\nKd 1 0 0\n'), 'model/a.obj': Buffer.from(obj) });
+    await drop({ name: 'triangle.zip', bytes });
+    await ready();
+    expect(await page.title()).toContain('triangle');
+    expect(await page.getByRole('combobox', { name: 'File format' }).inputValue()).toBe('obj');
   });
 
   it('takes a glTF with its files', async () => {

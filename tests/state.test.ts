@@ -2,10 +2,11 @@
 import { describe, expect, it } from 'vitest';
 import { formatBytes, formatLength, formatShare } from '../www/format.ts';
 import { positionOfTriangles, trianglesAtPosition } from '../www/components/lod-slider/scale.ts';
+import { writeOptions } from '../www/encoding.ts';
 import * as transitions from '../www/state.ts';
 import type { State } from '../www/state.ts';
 
-const source = { format: 'glb', bytes: 5000, triangles: 1000, vertices: 500, meshes: 1, diagonal: 2 };
+const source = { format: 'glb', compression: 'none' as const, bytes: 5000, triangles: 1000, vertices: 500, meshes: 1, diagonal: 2 };
 const opened = (): State =>
   transitions.modelOpened(transitions.initialState, { name: 'vase', credit: '', source, warnings: [], animations: [] });
 const ready = (fewest = 4): State => transitions.historyReady(transitions.modelDrawn(opened()), fewest);
@@ -34,6 +35,16 @@ describe('opening', () => {
     const moved = transitions.targetMoved(ready(), 100, 1);
     const again = transitions.modelOpened(moved, { name: 'b', credit: '', source, warnings: [], animations: [] });
     expect(again.model?.undo).toEqual([]);
+  });
+});
+
+describe('the compression to save with', () => {
+  it('is that of the model, and nothing for a format without', () => {
+    const packed = transitions.modelOpened(transitions.initialState, { name: 'a', credit: '', source: { ...source, compression: 'draco' }, warnings: [], animations: [] });
+    expect(packed.encoding).toBe('draco');
+    expect(writeOptions('glb', packed.encoding)).toEqual({ format: 'glb', compress: 'draco' });
+    expect(writeOptions('obj', packed.encoding)).toEqual({ format: 'obj', compress: 'none' });
+    expect(writeOptions('glb', transitions.encodingChosen(packed, 'meshopt-quantized').encoding)).toEqual({ format: 'glb', compress: 'meshopt', quantize: true });
   });
 });
 

@@ -62,6 +62,7 @@ const actions: Actions = {
   fit: () => view.move({ kind: 'fit' }),
   changeView: (change) => update((now) => transitions.viewChanged(now, change)),
   chooseFormat: (format) => update((now) => transitions.outputFormatChosen(now, format)),
+  chooseEncoding: (encoding) => update((now) => transitions.encodingChosen(now, encoding)),
   chooseQuality: (quality) => update((now) => transitions.qualityChosen(now, quality)),
   download: () => void session.download(),
   measure: () => void session.measure(),
@@ -80,7 +81,7 @@ effect(() => {
     observeDock(host);
   });
 });
-watch((now) => `${now.model?.wantedTriangles} ${now.outputFormat} ${now.quality}`, () => session.wishChanged());
+watch((now) => `${now.model?.wantedTriangles} ${now.outputFormat} ${now.encoding} ${now.quality}`, () => session.wishChanged());
 watch((now) => now.quality, rememberQuality);
 watch((now) => now.view, (settings) => view.setSettings(settings));
 watch((now) => now.view.theme, (theme) => view.setTheme(applyTheme(theme)));

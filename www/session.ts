@@ -3,6 +3,8 @@
 import type { DocumentProxy, WorkerClient } from 'decimesh/worker';
 import { baseName, decodePath, fetchFile, modelFile } from './files.ts';
 import { formatShare } from './format.ts';
+import { encodingFor, writeOptions } from './encoding.ts';
+import type { Encoding } from './encoding.ts';
 import type { View } from './preview/view.ts';
 import * as transitions from './state.ts';
 import type { Model, Notice, OutputFormat, Quality, State } from './state.ts';
@@ -206,7 +208,7 @@ export class Session {
     const document = await this.client.openDocument(files, { signal, onProgress });
     try {
       signal.throwIfAborted();
-      const { bytes } = await document.write({ format: 'glb' });
+      const { bytes } = await document.write({ format: 'glb', compress: 'none' });
       signal.throwIfAborted();
       // The view takes the bytes over.
       const { byteLength } = bytes;
@@ -229,7 +231,7 @@ export class Session {
           animations: prepared.animations,
         }),
       );
-      this.tellSize(byteLength, 'glb', summary.triangles);
+      this.tellSize(byteLength, 'glb', 'none', summary.triangles);
       // The panel first: with few cores, drawing and simplifying would keep the page from laying it out.
       await afterNextPaint();
       if (this.current !== open) return prepared.discard();
@@ -312,13 +314,14 @@ export class Session {
   private async step(): Promise<boolean> {
     const open = this.current;
     const { model, outputFormat, quality } = this.store.value;
+    const encoding = encodingFor(outputFormat, this.store.value.encoding);
     if (open === null || model === null || model.history.kind === 'recording') return false;
     const wanted = model.wantedTriangles;
     const full = wanted === model.source.triangles;
     if (model.history.kind === 'none' && !full) return false;
     // The size shown is that of the level shown; only a download is worth another run.
     const fit = this.filesWanted > 0 ? fitOfFile(model, quality, open.fitted) : (open.fitted ?? 'fast');
-    const key = wishKey(model, outputFormat, fit);
+    const key = wishKey(model, outputFormat, encoding, fit);
     if (open.failedKey === key) return false;
     try {
       if (model.shownFor !== wanted) {
@@ -335,15 +338,15 @@ export class Session {
         await this.fit(open, wanted, fit);
         return true;
       }
-      const measured = model.output?.wantedTriangles === wanted && model.output.format === outputFormat;
+      const measured = model.output?.wantedTriangles === wanted && model.output.format === outputFormat && model.output.encoding === encoding;
       if (open.written?.key === key || (measured && this.filesWanted === 0)) return false;
       if (this.filesWanted === 0 && ((await this.pause()) || this.current !== open)) return true;
       await this.selectLevel(open, model);
-      const { bytes, report } = await open.document.write({ format: outputFormat });
+      const { bytes, report } = await open.document.write(writeOptions(outputFormat, encoding));
       if (this.current !== open) return true;
       const loss = report.warnings.find((warning) => warning.code === 'not-carried');
       open.written = { key, bytes, loss: loss === undefined ? '' : ` ${loss.message}.` };
-      this.tellSize(bytes.byteLength, outputFormat, wanted);
+      this.tellSize(bytes.byteLength, outputFormat, encoding, wanted);
       return true;
     } catch (error) {
       if (this.current !== open) return true;
@@ -394,8 +397,8 @@ export class Session {
     }
   }
 
-  private tellSize(bytes: number, format: OutputFormat, wantedTriangles: number): void {
-    this.store.update((state) => transitions.outputMeasured(state, { format, wantedTriangles, bytes }));
+  private tellSize(bytes: number, format: OutputFormat, encoding: Encoding, wantedTriangles: number): void {
+    this.store.update((state) => transitions.outputMeasured(state, { format, encoding, wantedTriangles, bytes }));
   }
 
   /** Waits until wishes settle; true when a new one came meanwhile. */
@@ -416,9 +419,9 @@ export class Session {
     this.wishChanged();
     for (;;) {
       signal.throwIfAborted();
-      const { model, outputFormat, quality } = this.store.value;
+      const { model, outputFormat, encoding, quality } = this.store.value;
       if (this.current !== open || model === null) return null;
-      const key = wishKey(model, outputFormat, fitOfFile(model, quality, open.fitted));
+      const key = wishKey(model, outputFormat, encodingFor(outputFormat, encoding), fitOfFile(model, quality, open.fitted));
       if (open.written?.key === key) return open.written;
       const stopped = model.history.kind === 'none' && model.wantedTriangles !== model.source.triangles;
       if (stopped || open.failedKey === key) return null;
@@ -435,7 +438,8 @@ export class Session {
   }
 }
 
-const wishKey = (model: Model, format: OutputFormat, fit: Quality): string => `${model.wantedTriangles}.${format}.${fit}`;
+const wishKey = (model: Model, format: OutputFormat, encoding: Encoding, fit: Quality): string =>
+  `${model.wantedTriangles}.${format}.${encoding}.${fit}`;
 
 /** What a file is to be fitted with: at full detail there is nothing to fit, and `fast` takes what is shown. */
 const fitOfFile = (model: Model, quality: Quality, fitted: Quality | null): Quality => {

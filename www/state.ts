@@ -1,7 +1,9 @@
 // The page's one state value and the pure transitions between its values; nothing here fetches, draws or waits.
-import type { OutputFormat, Preset } from 'decimesh/worker';
+import type { Compression, OutputFormat as PackageFormat, Preset } from 'decimesh/worker';
+import type { Encoding } from './encoding.ts';
 
-export type { OutputFormat };
+/** What the page saves: formats of one file. */
+export type OutputFormat = Exclude<PackageFormat, 'gltf'>;
 
 /** The formats that the page can download, and what it calls them. */
 export const FORMAT_NAMES: Readonly<Record<OutputFormat, string>> = { glb: 'GLB', obj: 'OBJ', ply: 'PLY', stl: 'STL', off: 'OFF', smf: 'SMF' };
@@ -31,6 +33,7 @@ export interface Notice {
 /** What is known about a file when it has been opened. Lengths in model units. */
 export interface Source {
   readonly format: string;
+  readonly compression: Compression;
   readonly bytes: number;
   readonly triangles: number;
   readonly vertices: number;
@@ -71,6 +74,7 @@ export type Measurement =
 /** The size of the file that Download would save, and what it was measured for. */
 export interface Output {
   readonly format: OutputFormat;
+  readonly encoding: Encoding;
   /** The wish whose level was written. */
   readonly wantedTriangles: number;
   readonly bytes: number;
@@ -126,6 +130,8 @@ export interface State {
   readonly task: Task | null;
   readonly notice: Notice | null;
   readonly outputFormat: OutputFormat;
+  /** How the geometry is stored where the format has a choice. */
+  readonly encoding: Encoding;
   readonly quality: Quality;
   readonly view: View;
   /** A file is being dragged over the window. */
@@ -145,6 +151,7 @@ export const initialState: State = {
   task: null,
   notice: null,
   outputFormat: 'glb',
+  encoding: 'none',
   quality: 'balanced',
   view: { wireframe: false, playing: true, animation: 0, comparing: false, theme: 'system' },
   dragging: false,
@@ -170,7 +177,7 @@ export const taskProgressed = (state: State, fraction: number | null): State =>
 
 export const taskEnded = (state: State, remark = state.remark): State => ({ ...state, task: null, remark });
 
-/** A model replaces the one before it, at full detail, to be saved in its own format; its history is recorded from now on. */
+/** A model replaces the one before it, at full detail, to be saved in its own format and compression; its history is recorded from now on. */
 export const modelOpened = (
   state: State,
   opened: Pick<Model, 'name' | 'credit' | 'source' | 'warnings' | 'animations'>,
@@ -180,6 +187,7 @@ export const modelOpened = (
   notice: null,
   remark: '',
   outputFormat: isOutputFormat(opened.source.format) ? opened.source.format : 'glb',
+  encoding: opened.source.compression,
   view: { ...state.view, animation: 0, comparing: false },
   model: {
     ...opened,
@@ -302,6 +310,8 @@ export const redone = (state: State): State =>
 // --- the rest
 
 export const outputFormatChosen = (state: State, outputFormat: OutputFormat): State => ({ ...state, outputFormat });
+
+export const encodingChosen = (state: State, encoding: Encoding): State => ({ ...state, encoding });
 
 export const qualityChosen = (state: State, quality: Quality): State => ({ ...state, quality });
 

@@ -3,7 +3,8 @@
 import { parseArgs, type ParseArgsConfig } from 'node:util';
 import { DecimeshError } from '../errors.js';
 import { PRESETS, isPreset } from '../options.js';
-import type { DocumentSimplifyOptions, SimplifyOptions } from '../types.js';
+import { COMPRESSIONS, isCompression } from '../formats.js';
+import type { Compression, DocumentSimplifyOptions } from '../types.js';
 
 /** Files to simplify, and how. */
 export interface Job {
@@ -18,6 +19,9 @@ export interface Job {
   readonly size: number | undefined;
   /** Shares of the triangles of the levels of a chain. */
   readonly lods: readonly number[] | undefined;
+  /** Undefined: as the input has it. */
+  readonly compress: Compression | undefined;
+  readonly quantize: boolean;
   readonly json: boolean;
   /** Whether the deviation is to be measured. */
   readonly measure: boolean;
@@ -28,13 +32,13 @@ export type Command = Job | { readonly action: 'help' } | { readonly action: 've
 
 export const HELP = `decimesh: fewer triangles for 3D models, with the same look
 
-  decimesh INPUT -o OUTPUT [options]     one file; its format by the extension: .glb, .obj, .ply,
-                                         .stl, .off, .smf
+  decimesh INPUT -o OUTPUT [options]     one file; its format by the extension: .glb, .gltf (with
+                                         its files beside it), .obj, .ply, .stl, .off, .smf
   decimesh INPUTS… -d DIR [options]      many files, into a directory that is made if need be
   decimesh INPUT --json [options]        only a report
 
-Input is .glb, .gltf, .obj (their files are looked for in the same folder and below), .ply, .stl, .off or .smf, told
-by the content, whatever the extension says.
+Input is .glb, .gltf, .obj (their files are looked for in the same folder and below), .ply, .stl, .off or .smf, or a
+.zip of these, told by the content, whatever the extension says.
 
 How far (name one; of several, the first that is reached stops):
   -r, --ratio R        keep this share of the triangles, 0 to 1
@@ -54,13 +58,12 @@ How:
 Output:
   -o, --output FILE    replaced only when all went well; never the input itself
   -d, --directory DIR  INPUT in its own format, .gltf as .glb
-  --compress none      the only encoding yet
+  --compress NAME      none, meshopt or draco, for .glb and .gltf; default: as the input has it
+  --quantize           attributes as integers, for .glb and .gltf (Draco does that by itself)
   --measure            measure how far the result is from the original, both ways, and report it
   --json               a report on standard output: an object, or an array of them for several inputs
   -h, --help           this text
   --version            the version
-
-Not supported yet: --quantize, --compress meshopt|draco.
 
 Exit codes: 0 done, also when a target could not be reached (the report's stopReason says so); 1 a fault of this
 program; 2 wrong usage; 3 unreadable or invalid input; 4 could not write. With many inputs the others go on when one
@@ -107,7 +110,6 @@ export function readArguments(args: readonly string[]): Command {
   const { values, positionals: inputs } = parsed;
   if (values.help) return { action: 'help' };
   if (values.version) return { action: 'version' };
-  refuseUnsupported(values);
   if (inputs.length === 0) throw usage('INPUT', 'name a file; see decimesh --help');
   const { output, directory, json = false, measure = false } = values;
   if (output !== undefined && directory !== undefined) throw usage('-o, -d', 'name one of the two');
@@ -118,19 +120,16 @@ export function readArguments(args: readonly string[]): Command {
   for (const [name, value] of Object.entries({ '-o': output, '-d': directory })) {
     if (value === '') throw usage(name, 'must not be empty');
   }
+  const { compress, quantize = false } = values;
+  if (compress !== undefined && !isCompression(compress)) {
+    throw usage('--compress', `must be ${COMPRESSIONS.join(', ')}, not '${compress}'`);
+  }
   const lods = levelList(values.lods);
   if (lods !== undefined && measure) throw usage('--measure', 'is of one level; leave out --lods');
   if (lods?.length === 1 && directory === undefined) throw usage('--lods', 'name at least two levels for one file');
   const size = byteCount(values.size);
   const options = simplifyOptions(values, lods);
-  return { action: 'simplify', inputs, output, directory, json, measure, options, size, lods };
-}
-
-function refuseUnsupported({ quantize, compress }: Values): void {
-  if (quantize) throw usage('--quantize', 'is not supported yet');
-  if (compress === undefined || compress === 'none') return;
-  const known = compress === 'meshopt' || compress === 'draco';
-  throw usage('--compress', known ? `${compress} is not supported yet` : `must be none, not '${compress}'`);
+  return { action: 'simplify', inputs, output, directory, json, measure, options, size, lods, compress, quantize };
 }
 
 function simplifyOptions(values: Values, lods: readonly number[] | undefined): DocumentSimplifyOptions {

@@ -61,26 +61,65 @@ export function checkWritable(path: string): void {
   }
 }
 
+/** A file to be written. */
+export interface OutputFile {
+  readonly path: string;
+  readonly bytes: Uint8Array;
+}
+
+/** A file on its way to its place. */
+interface Pending {
+  readonly path: string;
+  readonly target: string;
+  readonly temporary: string;
+  /** What was at the target, kept until all is well. */
+  backup?: string;
+  moved?: boolean;
+}
+
 /**
- * Writes `bytes` to `path`: first to a file beside it, which then takes its place in one operation.
+ * Writes all files or none: each first beside its place, which it then takes in one operation; when one cannot, those
+ * before it are taken back.
  *
- * Synchronous, so that a signal cannot come between and leave that file behind. Throws `cannot-write`, and then what
- * was at `path` is still there.
+ * Synchronous, so that a signal cannot come between and leave something half done. Throws `cannot-write`, and then what
+ * was at the paths is still there.
  */
-export function writeWhole(path: string, bytes: Uint8Array): void {
-  let temporary: string | undefined;
+export function writeAll(files: readonly OutputFile[]): void {
+  const pending: Pending[] = [];
+  let path = '';
   try {
-    // Through a link, the file it names is replaced and not the link.
-    const target = realPath(path);
-    const mode = statSync(target, { throwIfNoEntry: false })?.mode;
-    temporary = join(dirname(target), `.${basename(target)}.${process.pid}.tmp`);
-    writeFileSync(temporary, bytes, { flag: 'wx', ...(mode === undefined ? {} : { mode: mode & 0o777 }) });
-    renameSync(temporary, target);
+    for (const file of files) {
+      ({ path } = file);
+      // Through a link, the file it names is replaced and not the link.
+      const target = realPath(path);
+      const beside = join(dirname(target), `.${basename(target)}.${process.pid}`);
+      const there = statSync(target, { throwIfNoEntry: false });
+      if (there?.isDirectory()) throw Object.assign(new Error(), { code: 'EISDIR' });
+      const mode = there?.mode;
+      writeFileSync(`${beside}.tmp`, '', { flag: 'wx', ...(mode === undefined ? {} : { mode: mode & 0o777 }) });
+      pending.push({ path, target, temporary: `${beside}.tmp` });
+      writeFileSync(`${beside}.tmp`, file.bytes);
+    }
+    for (const file of pending) {
+      ({ path } = file);
+      // One file alone takes its place at once; of several, each has to be able to go back.
+      if (pending.length > 1 && statSync(file.target, { throwIfNoEntry: false }) !== undefined) {
+        const backup = file.temporary.replace(/tmp$/, 'old');
+        renameSync(file.target, backup);
+        file.backup = backup;
+      }
+      renameSync(file.temporary, file.target);
+      file.moved = true;
+    }
   } catch (error) {
-    const ours = temporary !== undefined && (error as { code?: unknown }).code !== 'EEXIST';
-    if (ours) rmSync(temporary as string, { force: true });
+    for (const { target, temporary, backup, moved } of pending.reverse()) {
+      rmSync(temporary, { force: true });
+      if (moved) rmSync(target, { force: true });
+      if (backup !== undefined) renameSync(backup, target);
+    }
     throw fileError('cannot-write', error, path);
   }
+  for (const { backup } of pending) if (backup !== undefined) rmSync(backup, { force: true });
 }
 
 function realPath(path: string): string {

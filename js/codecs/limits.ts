@@ -7,9 +7,9 @@ const ALWAYS_ALLOWED = 16 * 1024 * 1024;
 
 /**
  * Bytes that a byte may unpack to. Meshopt's own limit is about 1024, and a flat grid of a million vertices, which no
- * file that is worth opening holds, comes to 690 with Draco. Far beyond that the counts are made up.
+ * file that is worth opening holds, comes to 690 with Draco. Beyond that the counts are made up.
  */
-const LARGEST_FACTOR = 4096;
+const LARGEST_FACTOR = 1100;
 
 /** All decoded geometry of a file, bytes: what the engine can hold of numbers. */
 const LARGEST_TOTAL = 2 ** 31;

@@ -24,8 +24,9 @@ import { startPort, type Port } from './port.js';
 import type { Answer, AnsweredRequest, AnswerTo, Reply, Request } from './protocol.js';
 
 export { DecimeshError } from '../errors.js';
-export { OUTPUT_FORMATS, usualFormat } from '../formats.js';
+export { COMPRESSIONS, OUTPUT_FORMATS, holdsEncodings, usualFormat } from '../formats.js';
 export { PRESETS, isPreset } from '../options.js';
+export type { Parts } from '../parts.js';
 export type { Deviation, Report, SideDeviation } from '../report.js';
 export type * from '../types.js';
 export type { Written };

@@ -130,7 +130,7 @@ function buffersOf(answer: Answer): Transferable[] {
       }
       break;
     case 'written':
-      arrays.push(answer.written.bytes);
+      arrays.push(answer.written.bytes, ...answer.written.files.map(({ bytes }) => bytes));
       break;
     case 'simplified': {
       const { positions, indices, vertexMap, attributes } = answer.mesh;

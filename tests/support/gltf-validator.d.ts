@@ -2,7 +2,7 @@
 declare module 'gltf-validator' {
   export function validateBytes(
     bytes: Uint8Array,
-    options?: { maxIssues?: number },
+    options?: { maxIssues?: number; externalResourceFunction?: (uri: string) => Promise<Uint8Array> },
   ): Promise<{
     issues: { numErrors: number; messages: Array<{ code: string; message: string; pointer: string; severity: number }> };
   }>;

@@ -2,6 +2,8 @@
 import { samples } from '../../samples/samples.ts';
 import type { Sample } from '../../samples/samples.ts';
 import { fewestTriangles, isBusy, isSettled, progress, statusText } from '../../state.ts';
+import { encodingFor } from '../../encoding.ts';
+import type { Encoding } from '../../encoding.ts';
 import type { Model, OutputFormat, Quality, State, View } from '../../state.ts';
 import { Download } from '../download/download.tsx';
 import { DropHint, Landing } from '../drop-zone/drop-zone.tsx';
@@ -28,6 +30,7 @@ export interface Actions {
   fit(): void;
   changeView(change: Partial<View>): void;
   chooseFormat(format: OutputFormat): void;
+  chooseEncoding(encoding: Encoding): void;
   chooseQuality(quality: Quality): void;
   download(): void;
   measure(): void;
@@ -77,7 +80,10 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
   const settled = isSettled(model);
   const { output } = model;
   const outputCurrent =
-    output !== null && output.wantedTriangles === model.wantedTriangles && output.format === state.outputFormat;
+    output !== null &&
+    output.wantedTriangles === model.wantedTriangles &&
+    output.format === state.outputFormat &&
+    output.encoding === encodingFor(state.outputFormat, state.encoding);
   return (
     <main class="workspace">
       <Toolbar
@@ -111,9 +117,11 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
             />
             <Download
               format={state.outputFormat}
+              encoding={state.encoding}
               quality={state.quality}
               busy={state.task?.kind === 'writing' || state.task?.kind === 'fitting'}
               onFormat={actions.chooseFormat}
+              onEncoding={actions.chooseEncoding}
               onQuality={actions.chooseQuality}
               onDownload={actions.download}
             />

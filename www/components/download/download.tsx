@@ -1,4 +1,7 @@
-// The button `Download` and the choices of its format and quality.
+// The button `Download` and the choices of its format, compression and quality.
+import { holdsEncodings } from 'decimesh/worker';
+import { ENCODINGS, isEncoding } from '../../encoding.ts';
+import type { Encoding } from '../../encoding.ts';
 import { FORMAT_NAMES, isOutputFormat } from '../../state.ts';
 import type { OutputFormat, Quality as QualityName } from '../../state.ts';
 import { Icon } from '../icon/icon.tsx';
@@ -7,14 +10,16 @@ import './download.css';
 
 interface DownloadProps {
   readonly format: OutputFormat;
+  readonly encoding: Encoding;
   readonly quality: QualityName;
   readonly busy: boolean;
   onFormat(format: OutputFormat): void;
+  onEncoding(encoding: Encoding): void;
   onQuality(quality: QualityName): void;
   onDownload(): void;
 }
 
-export function Download({ format, quality, busy, onFormat, onQuality, onDownload }: DownloadProps) {
+export function Download({ format, encoding, quality, busy, onFormat, onEncoding, onQuality, onDownload }: DownloadProps) {
   return (
     <div class="download">
       <Quality quality={quality} onQuality={onQuality} />
@@ -26,6 +31,11 @@ export function Download({ format, quality, busy, onFormat, onQuality, onDownloa
         <select aria-label="File format" value={format} onChange={(event) => isOutputFormat(event.currentTarget.value) && onFormat(event.currentTarget.value)}>
           {Object.entries(FORMAT_NAMES).map(([value, name]) => <option key={value} value={value}>{name}</option>)}
         </select>
+        {holdsEncodings(format) && (
+          <select aria-label="Compression" value={encoding} onChange={(event) => isEncoding(event.currentTarget.value) && onEncoding(event.currentTarget.value)}>
+            {ENCODINGS.map(({ value, name }) => <option key={value} value={value}>{name}</option>)}
+          </select>
+        )}
       </div>
     </div>
   );

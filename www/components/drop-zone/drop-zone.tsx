@@ -20,7 +20,7 @@ export function Landing({ onFiles, children }: LandingProps) {
         <h1>Fewer triangles, same&nbsp;look</h1>
         <p>Drop a 3D model anywhere on this page, or</p>
         <FileChooser id="landing-file" label="Choose a model" primary onFiles={onFiles} />
-        <p class="landing-formats">GLB, OBJ, PLY, STL, OFF, SMF, or glTF with its files.<br />Nothing leaves your device.</p>
+        <p class="landing-formats">GLB, OBJ, PLY, STL, OFF, SMF, or glTF with its files; also as a folder or ZIP.<br />Nothing leaves your device.</p>
       </div>
       <section aria-labelledby="samples-title">
         <h2 id="samples-title">or try one of these</h2>

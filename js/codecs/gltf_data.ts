@@ -1,0 +1,242 @@
+// A GLB taken apart for the encoders: its tree, and the bytes of each buffer view on its own.
+
+import { DecimeshError } from '../errors.js';
+import { buildGlb, encodeTree, splitContainer, textOf } from './container.js';
+import {
+  COMPONENT_ARRAYS,
+  arrayAt,
+  componentTypeOf,
+  componentsOf,
+  objectOr,
+  objects,
+  uint,
+  type ComponentType,
+  type Tree,
+} from './tree.js';
+
+/** Where an accessor's elements are. */
+export interface Layout {
+  readonly view: number;
+  readonly offset: number;
+  /** From one element to the next, bytes. */
+  readonly stride: number;
+  /** Of one element, bytes. */
+  readonly size: number;
+  readonly count: number;
+  readonly components: number;
+  readonly componentType: ComponentType;
+  readonly normalized: boolean;
+}
+
+/** A primitive that is a list of triangles with indices. */
+export interface Triangles {
+  readonly mesh: number;
+  readonly json: Tree;
+  readonly indices: number;
+  /** By semantic, in the order of the file. */
+  readonly attributes: ReadonlyArray<readonly [semantic: string, accessor: number]>;
+  /** The same for each morph target. */
+  readonly targets: ReadonlyArray<ReadonlyArray<readonly [semantic: string, accessor: number]>>;
+}
+
+/** An array of numbers as glTF stores them. */
+export type Values = InstanceType<(typeof COMPONENT_ARRAYS)[ComponentType]>;
+
+/** A glTF whose geometry is being encoded. What cannot be understood is left alone, never an error. */
+export class GltfData {
+  readonly tree: Tree;
+  /** The bytes of every buffer view; replaced, not written to. */
+  readonly views: Uint8Array[] = [];
+  readonly #spare: number[] = [];
+
+  /** Takes apart a GLB of one buffer, as the engine writes it. */
+  constructor(glb: Uint8Array) {
+    const container = splitContainer(glb);
+    const text = container && textOf(container);
+    if (container === undefined || text === undefined) throw new DecimeshError('too-large', 'the JSON is too large to be encoded', 'output');
+    this.tree = JSON.parse(text) as Tree;
+    const binary = container.binary ?? new Uint8Array();
+    for (const view of objects(this.tree, 'bufferViews')) {
+      const offset = uint(view['byteOffset']) ?? 0;
+      this.views.push(binary.subarray(offset, offset + (uint(view['byteLength']) ?? 0)));
+    }
+  }
+
+  /** The accessor of this number; an empty object if there is none. */
+  accessor(index: number): Tree {
+    return objectOr(arrayAt(this.tree, 'accessors')[index]);
+  }
+
+  /** The view of this number. */
+  view(index: number): Tree {
+    return objectOr(arrayAt(this.tree, 'bufferViews')[index]);
+  }
+
+  /** Where an accessor's elements are; undefined for a sparse one, one without bytes, and one that is not whole. */
+  layout(index: number): Layout | undefined {
+    const json = this.accessor(index);
+    const [view, count] = [uint(json['bufferView']), uint(json['count'])];
+    const [componentType, components] = [componentTypeOf(json['componentType']), componentsOf(json)];
+    if (view === undefined || count === undefined || componentType === undefined || components === undefined) return undefined;
+    // Columns of small matrices are padded, which nothing here needs to know.
+    if (json['sparse'] !== undefined || String(json['type']).startsWith('MAT')) return undefined;
+    const size = components * COMPONENT_ARRAYS[componentType].BYTES_PER_ELEMENT;
+    const stride = uint(this.view(view)['byteStride']) ?? size;
+    const offset = uint(json['byteOffset']) ?? 0;
+    const bytes = this.views[view];
+    if (bytes === undefined || count === 0 || offset + (count - 1) * stride + size > bytes.length) return undefined;
+    return { view, offset, stride, size, count, components, componentType, normalized: json['normalized'] === true };
+  }
+
+  /** A copy of an accessor's elements without gaps. */
+  values(layout: Layout): Values {
+    const { view, offset, stride, size, count, componentType } = layout;
+    const source = this.views[view] as Uint8Array;
+    const bytes = new Uint8Array(count * size);
+    if (stride === size) bytes.set(source.subarray(offset, offset + count * size));
+    else for (let row = 0; row < count; row += 1) bytes.set(source.subarray(offset + row * stride, offset + row * stride + size), row * size);
+    return new COMPONENT_ARRAYS[componentType](bytes.buffer);
+  }
+
+  /** Numbers of an accessor as they are meant: normalised integers as fractions. */
+  floats(layout: Layout): Float32Array {
+    const values = this.values(layout);
+    const scale = layout.normalized ? (FULL_SCALE[layout.componentType] ?? 1) : 1;
+    return Float32Array.from(values, (value) => Math.max(value / scale, layout.normalized ? -1 : -Infinity));
+  }
+
+  /** The lists of triangles whose indices can be read. */
+  triangles(): Triangles[] {
+    const found: Triangles[] = [];
+    for (const [mesh, { primitives }] of objects(this.tree, 'meshes').entries()) {
+      for (const json of Array.isArray(primitives) ? primitives.map(objectOr) : []) {
+        const indices = uint(json['indices']);
+        if ((json['mode'] ?? 4) !== 4 || indices === undefined) continue;
+        const layout = this.layout(indices);
+        if (layout === undefined || layout.count % 3 !== 0) continue;
+        found.push({ mesh, json, indices, attributes: references(json['attributes']), targets: objects(json, 'targets').map(references) });
+      }
+    }
+    return found;
+  }
+
+  /** Accessors that something else than the attributes and indices of `triangles` needs. */
+  usedElsewhere(triangles: readonly Triangles[]): Set<number> {
+    const used = new Set<number>();
+    const mark = (value: unknown): void => void (uint(value) === undefined || used.add(uint(value) as number));
+    const ours = new Set(triangles.map(({ json }) => json));
+    for (const mesh of objects(this.tree, 'meshes')) {
+      for (const json of objects(mesh, 'primitives').filter((json) => !ours.has(json))) {
+        mark(json['indices']);
+        for (const list of [objectOr(json['attributes']), ...objects(json, 'targets')]) Object.values(list).forEach(mark);
+      }
+    }
+    for (const animation of objects(this.tree, 'animations')) {
+      for (const { input, output } of objects(animation, 'samplers')) [input, output].forEach(mark);
+    }
+    for (const skin of objects(this.tree, 'skins')) mark(skin['inverseBindMatrices']);
+    markInExtensions(this.tree, false, mark);
+    return used;
+  }
+
+  /** Puts bytes into a view of their own, which may be one that was given back; returns its number. */
+  addView(bytes: Uint8Array, properties: Tree): number {
+    const views = arrayAt(this.tree, 'bufferViews');
+    const index = this.#spare.pop() ?? views.push({}) - 1;
+    const json = this.view(index);
+    for (const key of ['byteStride', 'target', 'name']) delete json[key];
+    Object.assign(json, properties);
+    this.views[index] = bytes;
+    return index;
+  }
+
+  /** Gives back views that no accessor needs any more, and of which only accessors knew. */
+  freeViews(candidates: ReadonlySet<number>): void {
+    const used = new Set<number>();
+    for (const accessor of objects(this.tree, 'accessors')) {
+      for (const json of [accessor, objectOr(objectOr(accessor['sparse'])['indices']), objectOr(objectOr(accessor['sparse'])['values'])]) {
+        const view = uint(json['bufferView']);
+        if (view !== undefined) used.add(view);
+      }
+    }
+    for (const image of objects(this.tree, 'images')) used.add(uint(image['bufferView']) ?? -1);
+    markInExtensions(this.tree, false, (view) => used.add(uint(view) ?? -1), ['bufferView']);
+    for (const view of [...candidates].filter((view) => !used.has(view)).sort((a, b) => b - a)) {
+      if (this.#spare.includes(view)) continue;
+      this.views[view] = new Uint8Array();
+      this.#spare.push(view);
+    }
+  }
+
+  /**
+   * The GLB. `packed` are encoded views, which then are in the second, virtual buffer; all others are written plainly.
+   */
+  build(packed: ReadonlyMap<number, PackedView> = new Map(), extension = ''): Uint8Array<ArrayBuffer> {
+    const views = arrayAt(this.tree, 'bufferViews');
+    // Views that lost their use keep their place for the numbers of those behind them; at the end they can go.
+    const spare = new Set(this.#spare);
+    while (spare.delete(views.length - 1)) views.pop();
+    const pieces: Uint8Array[] = [];
+    let length = 0;
+    let unpacked = 0;
+    for (let index = 0; index < views.length; index += 1) {
+      const json = this.view(index);
+      // A view may not be empty, nor its stride longer than it is.
+      if (spare.has(index)) for (const key of ['byteStride', 'target']) delete json[key];
+      const bytes = spare.has(index) ? new Uint8Array(4) : (this.views[index] as Uint8Array);
+      const encoded = packed.get(index);
+      const stored = encoded?.bytes ?? bytes;
+      if (encoded === undefined) {
+        Object.assign(json, { buffer: 0, byteOffset: length, byteLength: bytes.length });
+      } else {
+        const { stride, count, mode } = encoded;
+        Object.assign(json, { buffer: 1, byteOffset: unpacked, byteLength: bytes.length });
+        const value = { buffer: 0, byteOffset: length, byteLength: stored.length, byteStride: stride, count, mode };
+        json['extensions'] = { ...objectOr(json['extensions']), [extension]: value };
+        unpacked += Math.ceil(bytes.length / 8) * 8;
+      }
+      pieces.push(stored, new Uint8Array((8 - (stored.length % 8)) % 8));
+      length += Math.ceil(stored.length / 8) * 8;
+    }
+    const buffers = arrayAt(this.tree, 'buffers');
+    buffers.length = 0;
+    if (length > 0) buffers.push({ byteLength: length });
+    else delete this.tree['buffers'];
+    if (packed.size > 0) buffers.push({ byteLength: unpacked, extensions: { [extension]: { fallback: true } } });
+    if (views.length === 0) delete this.tree['bufferViews'];
+    return buildGlb(encodeTree(this.tree), pieces);
+  }
+}
+
+/** A view as it is stored. */
+export interface PackedView {
+  readonly bytes: Uint8Array;
+  readonly stride: number;
+  readonly count: number;
+  readonly mode: 'ATTRIBUTES' | 'TRIANGLES' | 'INDICES';
+}
+
+/** What stands for 1 in normalised integers. */
+export const FULL_SCALE: Readonly<Partial<Record<ComponentType, number>>> = { 5120: 127, 5121: 255, 5122: 32767, 5123: 65535 };
+
+function references(list: unknown): Array<readonly [string, number]> {
+  return Object.entries(objectOr(list)).flatMap(([semantic, value]) => (uint(value) === undefined ? [] : [[semantic, value as number] as const]));
+}
+
+/** Calls `mark` with what stands under one of `keys`, or among `attributes`, anywhere inside of an extension. */
+function markInExtensions(
+  value: unknown,
+  inside: boolean,
+  mark: (value: unknown) => void,
+  keys: readonly string[] = ['accessor', 'indices', 'input', 'output'],
+): void {
+  if (Array.isArray(value)) {
+    for (const item of value) markInExtensions(item, inside, mark, keys);
+  } else if (typeof value === 'object' && value !== null) {
+    for (const [key, item] of Object.entries(value)) {
+      if (inside && keys.includes(key) && typeof item === 'number') mark(item);
+      else if (inside && key === 'attributes' && !keys.includes('bufferView')) Object.values(objectOr(item)).forEach(mark);
+      else if (key !== 'extras') markInExtensions(item, inside || key === 'extensions', mark, keys);
+    }
+  }
+}

@@ -1,0 +1,74 @@
+// The report of bytes by part, which add up to all that was read and written.
+import { readFileSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import { beforeAll, describe, expect, it } from 'vitest';
+import { COMPRESSIONS, init, openDocument, type DocumentInput, type Parts } from 'decimesh';
+import { glb, gltfOf } from './support/glb.ts';
+import { ONE_PIXEL, hills, objOf } from './support/meshes.ts';
+import { decimesh } from './support/program.ts';
+
+const sample = (name: string): Uint8Array => new Uint8Array(readFileSync(fileURLToPath(new URL(`../www/samples/${name}`, import.meta.url))));
+const sum = ({ geometry, textures, animation, other }: Parts): number => geometry + textures + animation + other;
+
+beforeAll(() => init());
+
+async function partsOf(input: DocumentInput): Promise<Parts> {
+  using document = await openDocument(input);
+  const { report } = await document.write();
+  expect(sum(report.input.parts)).toBe(report.input.bytes);
+  expect(sum(report.output.parts)).toBe(report.output.bytes);
+  return report.input.parts;
+}
+
+describe('bytes by part', () => {
+  it('are exact for a GLB', async () => {
+    const { json, binary } = gltfOf(hills(10));
+    const file = glb({ json, binary });
+    expect(await partsOf(file)).toEqual({ geometry: binary.length, textures: 0, animation: 0, other: file.length - binary.length });
+  });
+
+  it('know textures and animations, before and after, in every encoding', async () => {
+    using document = await openDocument(sample('desk-fan.glb'));
+    await document.simplify({ ratio: 0.5, preset: 'fast' });
+    for (const compress of COMPRESSIONS) {
+      for (const format of ['glb', 'gltf'] as const) {
+        const { report } = await document.write({ format, compress });
+        const [before, after] = [report.input.parts, report.output.parts];
+        expect([sum(before), sum(after)]).toEqual([report.input.bytes, report.output.bytes]);
+        expect(before.animation).toBeGreaterThan(100);
+        expect(after.animation).toBeGreaterThan(100);
+        expect(after.textures).toBe(before.textures);
+        expect(after.geometry).toBeLessThan(0.7 * before.geometry);
+        expect(after.geometry).toBeGreaterThan(1000);
+      }
+    }
+    using helmet = await openDocument(sample('flight-helmet.glb'));
+    const { report } = await helmet.write({ format: 'gltf' });
+    expect(report.output.parts.textures).toBe(report.input.parts.textures);
+    expect(report.input.parts.textures).toBeGreaterThan(10_000);
+  });
+
+  it('count base64 with what it holds', async () => {
+    const { json, binary } = gltfOf(hills(10));
+    const uri = `data:application/octet-stream;base64,${Buffer.from(binary).toString('base64')}`;
+    (json.buffers[0] as { uri?: string }).uri = uri;
+    const parts = await partsOf(new TextEncoder().encode(JSON.stringify(json)));
+    expect(Math.abs(parts.geometry - uri.length)).toBeLessThan(2);
+  });
+
+  it('count files by what they are', async () => {
+    const obj = objOf(hills(4));
+    const files = [
+      { name: 'a.obj', bytes: obj },
+      { name: 'a.mtl', bytes: new TextEncoder().encode('newmtl a\nmap_Kd a.png\n') },
+      { name: 'a.png', bytes: ONE_PIXEL },
+    ];
+    expect(await partsOf(files)).toEqual({ geometry: obj.length, textures: ONE_PIXEL.length, animation: 0, other: 22 });
+  });
+
+  it('are in the report of the command line', async () => {
+    const { stdout } = await decimesh(fileURLToPath(new URL('../www/samples/desk-fan.glb', import.meta.url)), '--json', '-r', '0.5', '--preset', 'fast');
+    const report = JSON.parse(stdout) as { input: { parts: Parts; bytes: number }; output: { parts: Parts; bytes: number } };
+    expect([sum(report.input.parts), sum(report.output.parts)]).toEqual([report.input.bytes, report.output.bytes]);
+  });
+});
