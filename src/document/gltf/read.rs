@@ -34,7 +34,7 @@ struct Indexed {
     triangles: Vec<[u32; 3]>,
 }
 
-/// Reads all triangle primitives of all meshes; points and lines are passed over.
+/// Reads all triangle primitives of all meshes; points, lines and triangles without positions are passed over.
 ///
 /// # Errors
 /// Of [`Elements::open`], and `out-of-range`, `not-finite`, `syntax`, `unsupported` or `too-large`
@@ -49,6 +49,11 @@ pub(super) fn geometry(data: Data<'_>, scales: &[f32], warnings: &mut Vec<Warnin
         for (p, primitive) in items(mesh, "primitives").iter().enumerate() {
             let mode = uint(primitive, "mode").unwrap_or(4);
             if !(4..=6).contains(&mode) {
+                continue;
+            }
+            // Valid, for an extension or a shader may place them; they are carried through like points.
+            let attributes = primitive["attributes"].as_object();
+            if attributes.is_some_and(|attributes| !attributes.is_empty() && !attributes.contains_key("POSITION")) {
                 continue;
             }
             let place = format!("meshes[{m}].primitives[{p}]");
