@@ -79,7 +79,7 @@ impl<'a> Elements<'a> {
             if stride < layout.byte_size() {
                 return Err(Error::new(
                     ErrorCode::Syntax,
-                    format!("bufferViews[{}].byteStride", view),
+                    format!("bufferViews[{view}].byteStride"),
                     format!("{stride} is less than the {} bytes of an element", layout.byte_size()),
                 ));
             }
