@@ -131,7 +131,8 @@ fn sparse_positions_with_and_without_a_base() {
 #[test]
 fn quantised_forms_mean_the_same_numbers() {
     // KHR_mesh_quantization: each integer type, plain and normalised.
-    let cases: [(u32, bool, f32, fn(f32) -> Vec<u8>); 8] = [
+    type Encode = fn(f32) -> Vec<u8>;
+    let cases: [(u32, bool, f32, Encode); 8] = [
         (5120, false, 1.0, |c| vec![c as i8 as u8]),
         (5121, false, 1.0, |c| vec![c as u8]),
         (5122, false, 1.0, |c| (c as i16).to_le_bytes().to_vec()),

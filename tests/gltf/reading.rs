@@ -44,6 +44,17 @@ fn strips_and_fans_become_triangles() {
 }
 
 #[test]
+fn triangles_without_positions_are_carried_through() {
+    let (mut json, binary) = square();
+    let other = json!({ "attributes": { "_PLACE": 0 }, "indices": 1 });
+    json["meshes"][0]["primitives"].as_array_mut().unwrap().insert(0, other.clone());
+    let document = open_glb(&json, binary).unwrap();
+    assert_eq!(document.mesh().groups.len(), 1);
+    let (written, _) = take_apart(&document.write(document.mesh(), Format::Glb).unwrap());
+    assert_eq!(written["meshes"][0]["primitives"][0], other);
+}
+
+#[test]
 fn equal_vertices_are_read_once() {
     let (mut json, mut binary) = square();
     let corners: Vec<u8> = [0usize, 1, 2, 0, 2, 3].iter().flat_map(|&c| binary[c * 12..c * 12 + 12].to_vec()).collect();

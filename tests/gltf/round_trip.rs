@@ -83,7 +83,8 @@ fn without_removed(json: &Value) -> Value {
 }
 
 fn is_triangles(primitive: &Value) -> bool {
-    primitive.get("mode").is_none_or(|mode| mode.as_f64().unwrap() >= 4.0)
+    let is_placed = primitive["attributes"].get("POSITION").is_some();
+    is_placed && primitive.get("mode").is_none_or(|mode| mode.as_f64().unwrap() >= 4.0)
 }
 
 /// Accessors that triangles use.

@@ -1,9 +1,18 @@
 // The Khronos validator's verdict on a file.
-import { validateBytes } from 'gltf-validator';
+import { validateBytes, type Message } from 'gltf-validator';
+
+/** The errors it finds; `files` are what a .gltf refers to. */
+export async function errorsOf(bytes: Uint8Array, files: ReadonlyArray<{ name: string; bytes: Uint8Array }> = []): Promise<Message[]> {
+  const externalResourceFunction = async (uri: string): Promise<Uint8Array> => {
+    const found = files.find(({ name }) => name === decodeURIComponent(uri));
+    if (!found) throw new Error(`${uri} is not there`);
+    return found.bytes;
+  };
+  const { issues } = await validateBytes(bytes, { maxIssues: 100, externalResourceFunction });
+  return issues.messages.filter(({ severity }) => severity === 0);
+}
 
 /** The first errors it finds, one line each; none for a valid GLB. */
 export async function gltfErrors(bytes: Uint8Array): Promise<string[]> {
-  const { issues } = await validateBytes(bytes, { maxIssues: 100 });
-  const errors = issues.messages.filter(({ severity }) => severity === 0);
-  return errors.slice(0, 5).map(({ code, pointer, message }) => `${code} ${pointer} ${message}`);
+  return (await errorsOf(bytes)).slice(0, 5).map(({ code, pointer, message }) => `${code} ${pointer} ${message}`);
 }

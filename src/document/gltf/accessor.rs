@@ -142,9 +142,52 @@ impl<'a> Elements<'a> {
         }
     }
 
-    /// Element `index` of an accessor of indices: one unsigned integer.
-    pub(super) fn read_index(&self, index: usize) -> u32 {
-        self.element(index).map_or(0, |bytes| read_index(self.layout.component, bytes))
+    /// Puts the elements at `indices` into rows of `width` numbers, from `offset` on in each.
+    pub(super) fn read_rows(&self, indices: &[u32], rows: &mut [f32], width: usize, offset: usize) {
+        let components = self.layout.components();
+        let rows = rows.chunks_exact_mut(width).map(|row| &mut row[offset..offset + components]);
+        // Nearly all vertex data is this; floating-point elements have no gaps, matrices neither.
+        if let (Component::F32, Some(bytes), None) = (self.layout.component, self.bytes, &self.sparse) {
+            for (row, &index) in rows.zip(indices) {
+                let element = bytes.get(index as usize * self.stride..).unwrap_or_default();
+                row.iter_mut().zip(element.as_chunks::<4>().0).for_each(|(to, &from)| *to = f32::from_le_bytes(from));
+            }
+            return;
+        }
+        for (row, &index) in rows.zip(indices) {
+            let Some(element) = self.element(index as usize) else {
+                row.fill(0.0);
+                continue;
+            };
+            for (c, to) in row.iter_mut().enumerate() {
+                *to = self.layout.decode(element.get(self.layout.offset(c)..).unwrap_or_default());
+            }
+        }
+    }
+
+    /// All elements of an accessor of indices: unsigned integers.
+    pub(super) fn read_indices(&self) -> Vec<u32> {
+        if let (None, Some(bytes)) = (&self.sparse, self.bytes) {
+            // Index views have no stride; if one has, the slow way reads it.
+            match self.layout.component {
+                Component::U16 if self.stride == 2 => {
+                    return bytes
+                        .as_chunks::<2>()
+                        .0
+                        .iter()
+                        .take(self.count)
+                        .map(|&b| u16::from_le_bytes(b).into())
+                        .collect();
+                }
+                Component::U32 if self.stride == 4 => {
+                    return bytes.as_chunks::<4>().0.iter().take(self.count).map(|&b| u32::from_le_bytes(b)).collect();
+                }
+                _ => {}
+            }
+        }
+        (0..self.count)
+            .map(|index| self.element(index).map_or(0, |bytes| read_index(self.layout.component, bytes)))
+            .collect()
     }
 
     fn element(&self, index: usize) -> Option<&[u8]> {

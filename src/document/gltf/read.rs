@@ -6,7 +6,7 @@ use super::accessor::{Data, Elements};
 use super::json::{extension, index as as_index, items, members, uint};
 use super::layout::{Component, Shape};
 use super::schema::DRACO_EXTENSION;
-use super::unique::Unique;
+use super::unique::keep_unique;
 use super::{PrimitiveSource, SetSource, attributes};
 use crate::error::{Error, ErrorCode, Warning};
 use crate::mesh::{Attribute, Group, Mesh, Part, WedgeSet};
@@ -34,7 +34,7 @@ struct Indexed {
     triangles: Vec<[u32; 3]>,
 }
 
-/// Reads all triangle primitives of all meshes; points and lines are passed over.
+/// Reads all triangle primitives of all meshes; points, lines and triangles without positions are passed over.
 ///
 /// # Errors
 /// Of [`Elements::open`], and `out-of-range`, `not-finite`, `syntax`, `unsupported` or `too-large`
@@ -49,6 +49,11 @@ pub(super) fn geometry(data: Data<'_>, scales: &[f32], warnings: &mut Vec<Warnin
         for (p, primitive) in items(mesh, "primitives").iter().enumerate() {
             let mode = uint(primitive, "mode").unwrap_or(4);
             if !(4..=6).contains(&mode) {
+                continue;
+            }
+            // Valid, for an extension or a shader may place them; they are carried through like points.
+            let attributes = primitive["attributes"].as_object();
+            if attributes.is_some_and(|attributes| !attributes.is_empty() && !attributes.contains_key("POSITION")) {
                 continue;
             }
             let place = format!("meshes[{m}].primitives[{p}]");
@@ -153,18 +158,15 @@ impl<'a> Reader<'a, '_> {
                 return Err(Error::new(ErrorCode::Syntax, place, "indices must be unsigned integers"));
             }
         };
-        let mut indices = Vec::with_capacity(elements.count);
-        for i in 0..elements.count {
-            let index = elements.read_index(i);
-            if index as usize >= vertex_count || index == restart {
-                let reason = if index == restart {
-                    format!("index {i} is {index}, which is reserved for primitive restart")
-                } else {
-                    format!("index {i} is {index}, but there are {vertex_count} vertices")
-                };
-                return Err(Error::new(ErrorCode::OutOfRange, place, reason));
-            }
-            indices.push(index);
+        let indices = elements.read_indices();
+        if let Some(i) = indices.iter().position(|&index| index as usize >= vertex_count || index == restart) {
+            let index = indices[i];
+            let reason = if index == restart {
+                format!("index {i} is {index}, which is reserved for primitive restart")
+            } else {
+                format!("index {i} is {index}, but there are {vertex_count} vertices")
+            };
+            return Err(Error::new(ErrorCode::OutOfRange, place, reason));
         }
         Ok(indices)
     }
@@ -194,25 +196,28 @@ impl<'a> Reader<'a, '_> {
         self.spend(used.len().saturating_mul(width), &source.place)?;
 
         let start = mesh.positions.len();
-        let mut unique = Unique::new(width, used.len());
-        let mut wedge = Vec::with_capacity(width);
+        let mut rows = vec![0.0f32; used.len() * width];
         let mut repaired = vec![0usize; columns.len()];
-        for &vertex in &used {
-            wedge.clear();
-            for (column, repaired) in columns.iter().zip(&mut repaired) {
-                let first = wedge.len();
-                column.read(vertex as usize, &mut wedge);
-                if wedge[first..].iter().all(|value| value.is_finite()) {
+        let mut offset = 0;
+        for (k, (column, repaired)) in columns.iter().zip(&mut repaired).enumerate() {
+            column.read_rows(&used, &mut rows, width, offset);
+            let components = column.layout.components();
+            for (row, vertex) in rows.chunks_exact_mut(width).zip(&used) {
+                let element = &mut row[offset..offset + components];
+                if element.iter().all(|value| value.is_finite()) {
                     continue;
                 }
-                if first == 0 {
+                if k == 0 {
                     let message = format!("vertex {vertex} is not finite");
                     return Err(Error::new(ErrorCode::NotFinite, source.place_of(0), message));
                 }
                 *repaired += 1;
-                wedge[first..].iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
+                element.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
             }
-            self.slots[vertex as usize] = start as u32 + unique.insert(&wedge);
+            offset += components;
+        }
+        for (&vertex, number) in used.iter().zip(keep_unique(&mut rows, width)) {
+            self.slots[vertex as usize] = start as u32 + number;
         }
         for primitive in primitives.iter_mut().filter(mine) {
             primitive.triangles.iter_mut().flatten().for_each(|vertex| *vertex = self.slots[*vertex as usize]);
@@ -225,14 +230,15 @@ impl<'a> Reader<'a, '_> {
                 place: source.place_of(k),
             });
         }
-        let rows = unique.rows();
+        let rows = rows.chunks_exact(width);
         mesh.positions.extend(rows.clone().map(|row| [row[0], row[1], row[2]]));
         let mut offset = 0;
         let mut attributes = Vec::new();
         for (k, column) in columns.iter().enumerate() {
             let components = column.layout.components();
             if k > 0 {
-                let values = rows.clone().flat_map(|row| &row[offset..offset + components]).copied().collect();
+                let mut values = Vec::with_capacity(rows.len() * components);
+                rows.clone().for_each(|row| values.extend_from_slice(&row[offset..offset + components]));
                 let blend = source.blend(k);
                 attributes.push(Attribute { name: source.attributes[k].name(), components, values, blend });
             }
