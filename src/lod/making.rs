@@ -8,6 +8,12 @@ use super::segment::{Seams, Segment, Snapshot, Source};
 use super::versions::Moves;
 use crate::mesh::weld::NO_VERTEX;
 
+/// Entries of a table that are made in the time of one blend of attributes, roughly.
+const ENTRIES_OF_BLEND: usize = 30;
+
+/// Entries of a table that are made while the last uses of a triangle's wedges are found, roughly.
+const ENTRIES_OF_TRIANGLE: usize = 5;
+
 /// A [`Segment`] some of whose tables are still empty.
 #[derive(Debug)]
 pub(super) struct Making {
@@ -113,19 +119,20 @@ impl Making {
                 length
             }
             Table::Blending(run) => {
-                if run.step(work)
+                // What one takes is a matter of memory and many attributes, not of one entry.
+                if run.step(work / ENTRIES_OF_BLEND + 1)
                     && let Table::Blending(run) = std::mem::replace(&mut self.next, Table::None)
                 {
                     segment.blends = run.finish(segment.lasts.len());
                     self.next = after_blends(segment, source);
                 }
-                work.min(length)
+                work.min(length.saturating_mul(ENTRIES_OF_BLEND))
             }
             Table::LastUses(start, last_uses) => {
                 let all = segment.state(mesh).triangles.len();
-                let range = *start..all.min(start.saturating_add(work));
+                let range = *start..all.min(start.saturating_add(work / ENTRIES_OF_TRIANGLE + 1));
                 *start = range.end;
-                let count = range.len();
+                let count = range.len() * ENTRIES_OF_TRIANGLE;
                 segment.find_last_uses_in(source, range, last_uses);
                 if *start == all {
                     segment.lasts = std::mem::take(last_uses);
