@@ -4,6 +4,7 @@ import { join } from 'node:path';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { init, openDocument, simplifySequence, type Report } from 'decimesh';
+import { createWorkerClient } from 'decimesh/worker';
 import { testWithAsset } from './support/assets.ts';
 import { glb, gltfOf } from './support/glb.ts';
 import { hills } from './support/meshes.ts';
@@ -225,6 +226,23 @@ describe('levels of a run to one target', () => {
     expect(triangles).toBeLessThanOrEqual(40_000);
     expect(fractions.at(-1)).toBe(1);
     document.dispose();
+  });
+});
+
+describe('in the worker', () => {
+  it('chains, sizes and pixels are what they are without', async () => {
+    const client = createWorkerClient();
+    const [there, here] = await Promise.all([client.openDocument(model()), openDocument(model())]);
+    await Promise.all([there.simplify(), here.simplify()]);
+    for (const options of [{ lods: [1, 0.3] }, { size: 20_000 }]) {
+      const [a, b] = [await there.write(options), await here.write(options)];
+      expect(a.bytes).toEqual(b.bytes);
+      expect(a.report.lods).toEqual(b.report.lods);
+    }
+    expect(await there.level({ pixels: 3 })).toEqual(await here.level({ pixels: 3 }));
+    await expect(there.level({ pixels: 3 }, { signal: AbortSignal.abort(new Error('enough')) })).rejects.toThrow('enough');
+    client.terminate();
+    here.dispose();
   });
 });
 

@@ -1,20 +1,109 @@
 //! What becomes of attributes when wedges merge: the values at a share between two wedges.
 
 use super::segment::Source;
+use super::versions::Moves;
 use crate::mesh::weld::NO_VERTEX;
-use crate::mesh::{Attribute, Blend};
+use crate::mesh::{Attribute, Blend, Mesh};
 
 /// One merge that changes the values of `into`; see [`WedgeAttributes::blend`].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Blending {
-    pub(super) time: u32,
-    pub(super) from: u32,
-    pub(super) into: u32,
-    pub(super) parameter: f32,
+struct Blending {
+    time: u32,
+    from: u32,
+    into: u32,
+    parameter: f32,
+}
+
+/// The values of wedges that change in a segment.
+#[derive(Debug, Default)]
+pub(super) struct Blends {
+    /// Each with where its values begin: those of all attributes of its set, one after the other.
+    moves: Moves<u32>,
+    values: Vec<f32>,
+}
+
+impl Blends {
+    /// Hands out the wedges whose values at `time` are not those at first, with the values.
+    pub(super) fn at(&self, time: u32, mut place: impl FnMut(usize, &[f32])) {
+        self.moves.at(time, |wedge, start| place(wedge, &self.values[start as usize..]));
+    }
+
+    /// Bytes on the heap.
+    pub(super) fn byte_count(&self) -> usize {
+        self.moves.byte_count() + size_of_val(self.values.as_slice())
+    }
+}
+
+/// The blends of a segment while they are done one after the other.
+#[derive(Debug)]
+pub(super) struct BlendRun {
+    attributes: WedgeAttributes,
+    todo: Vec<Blending>,
+    /// What is done, in order: the wedge, the time, and where its values begin.
+    done: Vec<(u32, u32, u32)>,
+    values: Vec<f32>,
+}
+
+impl BlendRun {
+    /// The merges of the segment that change values; nothing if there are none. `state` is the mesh at its first level.
+    pub(super) fn new(
+        source: &Source<'_>,
+        state: &Mesh,
+        (first, length): (usize, usize),
+        at_first: &[[f32; 3]],
+        names: (&[u32], &[u32]),
+    ) -> Option<Self> {
+        if state.wedge_sets.iter().all(|set| set.attributes.is_empty()) {
+            return None;
+        }
+        let todo = blends(source, first, length, at_first, names);
+        let sets = state.wedge_sets.iter().map(|set| (set.wedges.start, set.attributes.as_slice()));
+        let (attributes, done) = (WedgeAttributes::new(sets), Vec::with_capacity(todo.len()));
+        Some(Self { attributes, todo, done, values: Vec::new() })
+    }
+
+    /// Does about `work` more. Returns whether all are done.
+    pub(super) fn step(&mut self, work: usize) -> bool {
+        let start = self.done.len();
+        let end = self.todo.len().min(start.saturating_add(work));
+        for b in &self.todo[start..end] {
+            self.attributes.blend(b.from, b.into, b.parameter);
+            self.done.push((b.into, b.time, self.values.len() as u32));
+            self.attributes.copy_values(b.into, &mut self.values);
+        }
+        end == self.todo.len()
+    }
+
+    /// All of them, sorted by wedge.
+    pub(super) fn finish(self, wedges: usize) -> Blends {
+        let mut starts = vec![0_u32; wedges + 1];
+        for &(wedge, ..) in &self.done {
+            starts[wedge as usize + 1] += 1;
+        }
+        for w in 0..wedges {
+            starts[w + 1] += starts[w];
+        }
+        let mut order = vec![0_u32; self.done.len()];
+        for (&(wedge, ..), i) in self.done.iter().zip(0..) {
+            let at = &mut starts[wedge as usize];
+            order[*at as usize] = i;
+            *at += 1;
+        }
+        let mut values = Vec::with_capacity(self.values.len());
+        let moves = order.iter().map(|&i| {
+            let (wedge, time, start) = self.done[i as usize];
+            let end = self.done.get(i as usize + 1).map_or(self.values.len(), |next| next.2 as usize);
+            let moved = values.len() as u32;
+            values.extend(&self.values[start as usize..end]);
+            (wedge, time, moved)
+        });
+        let moves = Moves::from_sorted(moves);
+        Blends { moves, values }
+    }
 }
 
 /// The merges of the segment that change values, and how far along the edge each is.
-pub(super) fn blends(
+fn blends(
     source: &Source<'_>,
     first: usize,
     length: usize,
@@ -61,7 +150,8 @@ fn edge_parameter(from: [f32; 3], into: [f32; 3], p: [f32; 3]) -> f32 {
 }
 
 /// The attributes of all sets while wedges merge.
-pub(super) struct WedgeAttributes {
+#[derive(Debug)]
+struct WedgeAttributes {
     /// First wedge of each set.
     starts: Vec<usize>,
     sets: Vec<Vec<Attribute>>,
@@ -69,17 +159,35 @@ pub(super) struct WedgeAttributes {
 
 impl WedgeAttributes {
     /// A copy of the attributes of each set, with its first wedge.
-    pub(super) fn new<'a>(sets: impl Iterator<Item = (usize, &'a [Attribute])>) -> Self {
+    fn new<'a>(sets: impl Iterator<Item = (usize, &'a [Attribute])>) -> Self {
         let (starts, sets) = sets.map(|(start, attributes)| (start, attributes.to_vec())).unzip();
         Self { starts, sets }
     }
 
+    fn set_of(&self, wedge: u32) -> usize {
+        if self.starts.len() == 1 { 0 } else { self.starts.partition_point(|&s| s <= wedge as usize) - 1 }
+    }
+
+    /// Appends the values of a wedge, those of each attribute after the other.
+    fn copy_values(&self, wedge: u32, values: &mut Vec<f32>) {
+        let set = self.set_of(wedge);
+        let at = wedge as usize - self.starts[set];
+        for Attribute { components: n, values: from, .. } in &self.sets[set] {
+            match n {
+                2 => values.extend(from.as_chunks::<2>().0[at]),
+                3 => values.extend(from.as_chunks::<3>().0[at]),
+                4 => values.extend(from.as_chunks::<4>().0[at]),
+                _ => values.extend(&from[at * n..(at + 1) * n]),
+            }
+        }
+    }
+
     /// Gives wedge `into` the values at `t` between `from` (0) and itself (1).
-    pub(super) fn blend(&mut self, from: u32, into: u32, t: f32) {
+    fn blend(&mut self, from: u32, into: u32, t: f32) {
         if t >= 1.0 {
             return;
         }
-        let set = if self.starts.len() == 1 { 0 } else { self.starts.partition_point(|&s| s <= into as usize) - 1 };
+        let set = self.set_of(into);
         let (from, into) = (from as usize - self.starts[set], into as usize - self.starts[set]);
         let attributes = &mut self.sets[set];
         for i in 0..attributes.len() {
@@ -114,19 +222,41 @@ impl WedgeAttributes {
             }
         }
     }
+}
 
-    /// The attributes of one set for just these wedges.
-    pub(super) fn compact(&self, set: usize, wedges: &[u32]) -> Vec<Attribute> {
-        let compact = |attribute: &Attribute| {
-            let n = attribute.components;
-            let mut values = Vec::with_capacity(wedges.len() * n);
-            for &w in wedges {
-                let at = (w as usize - self.starts[set]) * n;
-                values.extend_from_slice(&attribute.values[at..at + n]);
-            }
-            Attribute { name: attribute.name.clone(), components: n, values, blend: attribute.blend }
-        };
-        self.sets[set].iter().map(compact).collect()
+/// The values of `components` numbers each for just these, by their numbers less `first`.
+pub(super) fn gather(values: &[f32], components: usize, numbers: &[u32], first: usize) -> Vec<f32> {
+    // Copying a few numbers of a length that is not known is a call, which takes longer than the copying.
+    fn chunks<const N: usize>(values: &[f32], numbers: &[u32], first: usize) -> Vec<f32> {
+        let chunks = values.as_chunks::<N>().0;
+        let gathered: Vec<[f32; N]> = numbers.iter().map(|&w| chunks[w as usize - first]).collect();
+        gathered.into_flattened()
+    }
+    match components {
+        1 => chunks::<1>(values, numbers, first),
+        2 => chunks::<2>(values, numbers, first),
+        3 => chunks::<3>(values, numbers, first),
+        4 => chunks::<4>(values, numbers, first),
+        n => {
+            let of = |&w: &u32| values[(w as usize - first) * n..][..n].iter().copied();
+            numbers.iter().flat_map(of).collect()
+        }
+    }
+}
+
+/// Puts the first numbers of `from`, one for each component, at place `at` of `to`.
+pub(super) fn put(to: &mut [f32], components: usize, at: usize, from: &[f32]) {
+    fn chunk<const N: usize>(to: &mut [f32], at: usize, from: &[f32]) {
+        if let (Some(to), Some(from)) = (to.as_chunks_mut::<N>().0.get_mut(at), from.first_chunk::<N>()) {
+            *to = *from;
+        }
+    }
+    match components {
+        1 => chunk::<1>(to, at, from),
+        2 => chunk::<2>(to, at, from),
+        3 => chunk::<3>(to, at, from),
+        4 => chunk::<4>(to, at, from),
+        n => to[at * n..(at + 1) * n].copy_from_slice(&from[..n]),
     }
 }
 

@@ -16,6 +16,9 @@ use crate::mesh::Mesh;
 /// The share of a segment's triangles at which the next one begins.
 const CUT: (usize, usize) = (2, 3);
 
+/// Entries of a table of vertices that are made in the time of reading a collapse, roughly: those jump about in memory.
+const ENTRIES_OF_COLLAPSE: usize = 3;
+
 /// Below this many triangles no more cuts are made.
 const SMALLEST: usize = 256;
 
@@ -84,14 +87,14 @@ impl Levels {
                 mesh.positions.len()
             }
             Stage::Reading(mut history) => {
-                self.stage = match history.step(&source, work) {
+                self.stage = match history.step(&source, work / ENTRIES_OF_COLLAPSE + 1) {
                     true => Stage::Reading(history),
                     false => {
                         let making = Making::new(range_after(sequence, 0), None);
                         Stage::Making(Box::new((history, Vec::new(), making)))
                     }
                 };
-                work.min(all)
+                work.min(all.saturating_mul(ENTRIES_OF_COLLAPSE))
             }
             Stage::Making(mut parts) if !parts.2.is_done() => {
                 let (history, numbers, making) = &mut *parts;

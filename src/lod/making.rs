@@ -2,11 +2,17 @@
 
 use std::borrow::Cow;
 
-use super::blend::blends;
+use super::blend::{BlendRun, Blends};
 use super::history::History;
 use super::segment::{Seams, Segment, Snapshot, Source};
 use super::versions::Moves;
 use crate::mesh::weld::NO_VERTEX;
+
+/// Entries of a table that are made in the time of one blend of attributes, roughly.
+const ENTRIES_OF_BLEND: usize = 30;
+
+/// Entries of a table that are made while the last uses of a triangle's wedges are found, roughly.
+const ENTRIES_OF_TRIANGLE: usize = 5;
 
 /// A [`Segment`] some of whose tables are still empty.
 #[derive(Debug)]
@@ -22,6 +28,7 @@ enum Table {
     Wedges,
     Moves,
     Blends,
+    Blending(BlendRun),
     /// Of the triangles up to this one.
     LastUses(usize, Vec<u32>),
     None,
@@ -39,7 +46,7 @@ impl Making {
             goes_into: Vec::new(),
             moves: Moves::default(),
             seams: None,
-            blends: Vec::new(),
+            blends: Blends::default(),
         };
         Self { segment, next: Table::Vertices }
     }
@@ -70,7 +77,7 @@ impl Making {
         numbers: &mut Vec<u32>,
         work: usize,
     ) -> usize {
-        let Source { mesh, sequence, plain } = *source;
+        let Source { mesh, plain, .. } = *source;
         let segment = &mut self.segment;
         let (first, length) = (segment.first, segment.length);
         match &mut self.next {
@@ -103,23 +110,29 @@ impl Making {
             }
             Table::Blends => {
                 let state = segment.state(mesh);
-                if state.wedge_sets.iter().any(|set| !set.attributes.is_empty()) {
-                    let names = (&*vertex_names(segment, source), &*wedge_names(segment, source));
-                    segment.blends = blends(source, first, length, segment.first_positions(mesh), names);
-                }
-                self.next = if plain { Table::None } else { Table::LastUses(0, vec![0; segment.lasts.len()]) };
-                if plain && segment.snapshot.is_none() {
-                    for (lasts, &vertex) in segment.lasts.iter_mut().zip(&sequence.vertex_of_wedge) {
-                        *lasts = if vertex == NO_VERTEX { 0 } else { *lasts };
-                    }
-                }
+                let names = (&*vertex_names(segment, source), &*wedge_names(segment, source));
+                let run = BlendRun::new(source, state, (first, length), segment.first_positions(mesh), names);
+                self.next = match run {
+                    Some(run) => Table::Blending(run),
+                    None => after_blends(segment, source),
+                };
                 length
+            }
+            Table::Blending(run) => {
+                // What one takes is a matter of memory and many attributes, not of one entry.
+                if run.step(work / ENTRIES_OF_BLEND + 1)
+                    && let Table::Blending(run) = std::mem::replace(&mut self.next, Table::None)
+                {
+                    segment.blends = run.finish(segment.lasts.len());
+                    self.next = after_blends(segment, source);
+                }
+                work.min(length.saturating_mul(ENTRIES_OF_BLEND))
             }
             Table::LastUses(start, last_uses) => {
                 let all = segment.state(mesh).triangles.len();
-                let range = *start..all.min(start.saturating_add(work));
+                let range = *start..all.min(start.saturating_add(work / ENTRIES_OF_TRIANGLE + 1));
                 *start = range.end;
-                let count = range.len();
+                let count = range.len() * ENTRIES_OF_TRIANGLE;
                 segment.find_last_uses_in(source, range, last_uses);
                 if *start == all {
                     segment.lasts = std::mem::take(last_uses);
@@ -130,6 +143,18 @@ impl Making {
             Table::None => 0,
         }
     }
+}
+
+fn after_blends(segment: &mut Segment, source: &Source<'_>) -> Table {
+    if !source.plain {
+        return Table::LastUses(0, vec![0; segment.lasts.len()]);
+    }
+    if segment.snapshot.is_none() {
+        for (lasts, &vertex) in segment.lasts.iter_mut().zip(&source.sequence.vertex_of_wedge) {
+            *lasts = if vertex == NO_VERTEX { 0 } else { *lasts };
+        }
+    }
+    Table::None
 }
 
 fn wedge_names<'a>(segment: &'a Segment, source: &Source<'_>) -> Cow<'a, [u32]> {

@@ -12,12 +12,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::LevelMesh;
-use super::blend::{Blending, WedgeAttributes};
+use super::blend::{Blends, gather, put};
 use super::history::{climb, end_of_triangle};
 use super::versions::Moves;
 use crate::collapse_sequence::CollapseSequence;
 use crate::mesh::weld::NO_VERTEX;
-use crate::mesh::{Group, Mesh, WedgeSet};
+use crate::mesh::{Attribute, Group, Mesh, WedgeSet};
 
 /// After every collapse.
 pub(super) const NEVER: u32 = u32::MAX;
@@ -33,11 +33,11 @@ pub(super) struct Segment {
     pub(super) lasts: Vec<u32>,
     /// The wedge that each merges into then, or itself.
     pub(super) goes_into: Vec<u32>,
-    pub(super) moves: Moves,
+    pub(super) moves: Moves<[f32; 3]>,
     /// What only a mesh has some of whose vertices have several wedges.
     pub(super) seams: Option<Seams>,
-    /// Merges that change attributes, in order.
-    pub(super) blends: Vec<Blending>,
+    /// The attributes of wedges that change.
+    pub(super) blends: Blends,
 }
 
 /// A mesh at the first level of a segment, with names for what it is made of.
@@ -128,7 +128,7 @@ impl Segment {
     pub(super) fn byte_count(&self) -> usize {
         let words = |list: &[u32]| size_of_val(list);
         let mut bytes = words(&self.lasts) + words(&self.goes_into) + self.moves.byte_count();
-        bytes += size_of_val(self.blends.as_slice());
+        bytes += self.blends.byte_count();
         if let Some(seams) = &self.seams {
             bytes += words(&seams.vertex_lasts) + words(&seams.vertex_goes_into) + words(&seams.triangle_lasts);
         }
@@ -167,18 +167,15 @@ impl Segment {
             None => Vec::new(),
         };
         out.positions = self.positions(source, &local, &new_index, time);
-        drop(new_index);
-        let attributes = self.attributes(state, time);
         let mut start = 0;
-        for (s, set) in state.wedge_sets.iter().enumerate() {
+        for set in &state.wedge_sets {
             let end = start + local[start..].partition_point(|&w| (w as usize) < set.wedges.end);
-            out.wedge_sets.push(WedgeSet {
-                wedges: start..end,
-                part: set.part,
-                attributes: attributes.as_ref().map_or_else(Vec::new, |a| a.compact(s, &local[start..end])),
-            });
+            let attributes = compact(set, &local[start..end]);
+            out.wedge_sets.push(WedgeSet { wedges: start..end, part: set.part, attributes });
             start = end;
         }
+        self.blends.at(time, |wedge, values| self.put_values(wedge, values, time, &new_index, &mut out));
+        drop(new_index);
         let error = count.checked_sub(1).map_or(0.0, |last| sequence.collapses[last].error);
         let wedge_map = if self.snapshot.is_some() { original } else { local };
         Arc::new(LevelMesh { mesh: out, wedge_map, error })
@@ -327,17 +324,30 @@ impl Segment {
             .collect()
     }
 
-    fn attributes(&self, state: &Mesh, time: u32) -> Option<WedgeAttributes> {
-        if state.wedge_sets.iter().all(|set| set.attributes.is_empty()) {
-            return None;
+    /// Gives a wedge, if it is in use, the values of all its attributes.
+    fn put_values(&self, wedge: usize, mut values: &[f32], time: u32, new_index: &[u32], out: &mut Mesh) {
+        if self.lasts[wedge] <= time {
+            return;
         }
-        let sets = state.wedge_sets.iter().map(|set| (set.wedges.start, set.attributes.as_slice()));
-        let mut attributes = WedgeAttributes::new(sets);
-        for b in self.blends.iter().take_while(|b| b.time <= time) {
-            attributes.blend(b.from, b.into, b.parameter);
+        let place = new_index[wedge] as usize;
+        let set = out.wedge_sets.partition_point(|set| set.wedges.end <= place);
+        let set = &mut out.wedge_sets[set];
+        let at = place - set.wedges.start;
+        for Attribute { components: n, values: to, .. } in &mut set.attributes {
+            put(to, *n, at, values);
+            values = &values[*n..];
         }
-        Some(attributes)
     }
+}
+
+/// The attributes of one set for just these wedges.
+fn compact(set: &WedgeSet, wedges: &[u32]) -> Vec<Attribute> {
+    let compact = |attribute: &Attribute| {
+        let Attribute { ref name, components, ref values, blend } = *attribute;
+        let values = gather(values, components, wedges, set.wedges.start);
+        Attribute { name: name.clone(), components, values, blend }
+    };
+    set.attributes.iter().map(compact).collect()
 }
 
 /// Whether some triangle has each wedge.

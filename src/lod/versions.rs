@@ -1,4 +1,6 @@
-//! Positions of vertices over time: of all, the versions of each vertex side by side, and of a segment, in one row.
+//! What changes over time: the positions of all vertices, each one's side by side, and what a segment needs in one row.
+
+use super::segment::NEVER;
 
 /// Where each vertex is put, and when.
 #[derive(Debug, Default)]
@@ -40,7 +42,13 @@ impl Versions {
 
     /// The versions of the vertices so `named` from `first` on and up to `length` after it, counted
     /// from there; `lasts` says until when each vertex is there.
-    pub(super) fn part(&self, named: impl Iterator<Item = u32>, lasts: &[u32], first: usize, length: usize) -> Moves {
+    pub(super) fn part(
+        &self,
+        named: impl Iterator<Item = u32>,
+        lasts: &[u32],
+        first: usize,
+        length: usize,
+    ) -> Moves<[f32; 3]> {
         let mut moves = Vec::with_capacity(length);
         // What a vertex is given at the first level itself is in its position there already, but at
         // the very start there may be a fit and nothing else.
@@ -54,12 +62,12 @@ impl Versions {
                     continue;
                 }
                 let from = time - first as u32;
-                if let Some(Move { vertex: same, until, .. }) = moves.last_mut()
+                if let Some(Move { of: same, until, .. }) = moves.last_mut()
                     && *same == vertex
                 {
                     *until = from;
                 }
-                moves.push(Move { vertex, from, until: lasts, position: self.positions[i] });
+                moves.push(Move { of: vertex, from, until: lasts, value: self.positions[i] });
             }
         }
         moves.shrink_to_fit();
@@ -67,25 +75,43 @@ impl Versions {
     }
 }
 
-/// The new positions of vertices in a segment, in the order of the vertices and their times.
-#[derive(Debug, Default)]
-pub(super) struct Moves(Vec<Move>);
+/// The new values of vertices or wedges in a segment, in their order and that of the times.
+#[derive(Debug)]
+pub(super) struct Moves<T>(Vec<Move<T>>);
 
-/// Where a vertex is from one time to another, which is that of its next move or of its end.
+/// What a vertex or wedge has from one time to another, which is that of its next move or of its end.
 #[derive(Debug, Clone, Copy)]
-struct Move {
-    vertex: u32,
+struct Move<T> {
+    of: u32,
     from: u32,
     until: u32,
-    position: [f32; 3],
+    value: T,
+}
+
+impl<T> Default for Moves<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
 }
 
 /// So many are looked at before those that count are handed out.
 const BATCH: usize = 1024;
 
-impl Moves {
-    /// Hands out the vertices that are elsewhere at `time` than at first, with where they are.
-    pub(super) fn at(&self, time: u32, mut place: impl FnMut(usize, [f32; 3])) {
+impl<T: Copy> Moves<T> {
+    /// From `(of, time, value)` in the order of `of` and then of the times; a value counts until the next.
+    pub(super) fn from_sorted(values: impl Iterator<Item = (u32, u32, T)>) -> Self {
+        let mut moves: Vec<Move<T>> = Vec::with_capacity(values.size_hint().0);
+        for (of, from, value) in values {
+            if let Some(last) = moves.last_mut().filter(|last| last.of == of) {
+                last.until = from;
+            }
+            moves.push(Move { of, from, until: NEVER, value });
+        }
+        Self(moves)
+    }
+
+    /// Hands out the vertices or wedges that are not at `time` as they were at first, with what they have.
+    pub(super) fn at(&self, time: u32, mut place: impl FnMut(usize, T)) {
         let mut found = [0_u16; BATCH];
         for batch in self.0.chunks(BATCH) {
             // Which count is a matter of chance: each is written, and the place taken only if it does. No branch.
@@ -97,8 +123,8 @@ impl Moves {
                 count += usize::from((m.from <= time) & (time < m.until));
             }
             for &i in &found[..count] {
-                let Move { vertex, position, .. } = batch[usize::from(i)];
-                place(vertex as usize, position);
+                let Move { of, value, .. } = batch[usize::from(i)];
+                place(of as usize, value);
             }
         }
     }
