@@ -1,6 +1,7 @@
 // The package's public surface.
 
 export { init, type WasmSource } from './engine.js';
+export { describeBlockers } from './blockers.js';
 export { OUTPUT_FORMATS } from './formats.js';
 export { PRESETS } from './options.js';
 export { openDocument, externalFiles, type Document, type Written } from './document.js';
@@ -9,6 +10,7 @@ export { DecimeshError, type EngineErrorCode, type ErrorCode, type HostErrorCode
 export type { Deviation, Report, ReportedFile, SideDeviation, Timings } from './report.js';
 export type {
   AttributeArray,
+  Blockers,
   DocumentInput,
   DocumentSimplifyOptions,
   DocumentSummary,
@@ -20,6 +22,7 @@ export type {
   MeasureOptions,
   MeshAttributes,
   MeshInput,
+  MeshSimplifyOptions,
   NamedBytes,
   OutputFormat,
   Preset,

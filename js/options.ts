@@ -1,7 +1,7 @@
 // Checks the options of a simplification, and turns targets into a triangle count and an error in model units.
 
 import { invalidArgument } from './errors.js';
-import type { DocumentSimplifyOptions, MeasureOptions, Preset, RunOptions, Targets } from './types.js';
+import type { DocumentSimplifyOptions, MeasureOptions, MeshSimplifyOptions, Preset, RunOptions, Targets } from './types.js';
 
 /** What targets refer to. */
 export interface Scale {
@@ -26,6 +26,8 @@ export interface SimplifyRequest extends ResolvedTargets {
   preset?: Preset;
   everyLevel?: boolean;
   keepLevels?: boolean;
+  weightAttribute?: string;
+  weightScale?: number;
 }
 
 /** The presets, from the fastest to the best. */
@@ -36,8 +38,11 @@ const TARGETS = ['ratio', 'triangles', 'error'];
 /** Names of the options of a simplification. */
 export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'prune', 'placement', 'preset', 'timeBudget'];
 
+/** Names of {@link MeshSimplifyOptions}. */
+export const MESH_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'weights', 'locked'];
+
 /** Names of {@link DocumentSimplifyOptions}. */
-export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels'];
+export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels', 'weightAttribute', 'weightScale'];
 
 /** Names of {@link RunOptions}. */
 export const RUN_NAMES: readonly string[] = ['onProgress', 'signal'];
@@ -66,7 +71,7 @@ export function isPreset(value: unknown): value is Preset {
  * is no part of the request: the engine knows no clock.
  */
 export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, scale: Scale): SimplifyRequest {
-  const { placement, preset, timeBudget, onProgress, signal } = options;
+  const { placement, preset, timeBudget, weightAttribute, weightScale, onProgress, signal } = options;
   const request: SimplifyRequest = targetsOf(options, scale);
   for (const name of ['lockBorder', 'prune', 'everyLevel', 'keepLevels'] as const) {
     const value = options[name];
@@ -77,6 +82,17 @@ export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, sc
   if (preset !== undefined) {
     if (!isPreset(preset)) throw invalidArgument('preset', `must be one of ${PRESETS.join(', ')}, not ${shown(preset)}`);
     request.preset = preset;
+  }
+  if (weightAttribute !== undefined) {
+    if (typeof weightAttribute !== 'string') throw invalidArgument('weightAttribute', 'must be the name of an attribute');
+    request.weightAttribute = weightAttribute;
+  }
+  if (weightScale !== undefined) {
+    if (!(Number.isFinite(weightScale) && weightScale >= 0)) {
+      throw invalidArgument('weightScale', `must be a number of at least 0, not ${shown(weightScale)}`);
+    }
+    if (weightAttribute === undefined) throw invalidArgument('weightScale', 'needs weightAttribute beside it');
+    request.weightScale = weightScale;
   }
   if (timeBudget !== undefined && !(Number.isFinite(timeBudget) && timeBudget >= 0)) {
     throw invalidArgument('timeBudget', `must be a number of at least 0, in milliseconds, not ${shown(timeBudget)}`);
@@ -92,6 +108,16 @@ export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, sc
   }
   checkSignal(signal);
   return request;
+}
+
+/** Checks the types and lengths of weights and locks; the values are the engine's to check. */
+export function checkProtection({ weights, locked }: MeshSimplifyOptions, vertices: number): void {
+  if (weights !== undefined && !(weights instanceof Float32Array && weights.length === vertices)) {
+    throw invalidArgument('weights', `must be a Float32Array of one number for each of the ${vertices} vertices`);
+  }
+  if (locked !== undefined && !(locked instanceof Uint8Array && locked.length === vertices)) {
+    throw invalidArgument('locked', `must be a Uint8Array of one number for each of the ${vertices} vertices`);
+  }
 }
 
 /** Checks `options` of a measurement. */

@@ -11,6 +11,7 @@
 //! volume constraint. Sweeping in spatial order and not strictly by cost is as good on the average
 //! and several times faster, because memory is touched in order.
 
+mod blockers;
 mod collapse;
 mod edges;
 mod fit;
@@ -19,6 +20,7 @@ mod legality;
 mod placement;
 mod polylines;
 mod prepare;
+mod protection;
 mod prune;
 mod quadric;
 mod record;
@@ -26,7 +28,7 @@ mod space;
 mod topology;
 mod vertex_kind;
 
-use crate::collapse_sequence::{Collapse, CollapseSequence, StopReason};
+use crate::collapse_sequence::{Blockers, Collapse, CollapseSequence, StopReason};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
 use collapse::Patch;
@@ -35,6 +37,7 @@ use fit::Fit;
 use legality::Refusal;
 use polylines::Polylines;
 use prepare::{Preparation, Welded};
+use protection::Protection;
 use record::Record;
 use space::Space;
 use topology::Topology;
@@ -109,6 +112,11 @@ pub struct SimplifyOptions {
     pub prune: bool,
     /// Vertices on open borders neither move nor vanish. Default off.
     pub lock_border: bool,
+    /// For each wedge a number ≥ 0: a collapse at its vertex counts 1 + weight times as dear, so that it comes later. 0
+    /// is neutral, 1e6 is the most there is. What costs nothing goes all the same; see `locked`. Empty: all 0. Default.
+    pub weights: Vec<f32>,
+    /// For each wedge whether its vertex neither moves nor vanishes. Empty: none. Default.
+    pub locked: Vec<bool>,
     /// Default optimal.
     pub placement: PlacementRule,
     /// Default balanced.
@@ -125,6 +133,8 @@ impl Default for SimplifyOptions {
             max_error: f32::INFINITY,
             prune: false,
             lock_border: false,
+            weights: Vec::new(),
+            locked: Vec::new(),
             placement: PlacementRule::Optimal,
             preset: Preset::Balanced,
             every_level: false,
@@ -159,6 +169,8 @@ enum Stage {
     Fans,
     Rings(usize),
     Sweep,
+    /// After a sweep that did not reach its target: the next vertex whose edges are looked at.
+    Blockers(usize),
     Fit,
     Done,
 }
@@ -187,6 +199,7 @@ pub struct Simplifier {
     /// Nothing is left to do but what the surface's topology forbids, where there is no surface.
     last_resort: bool,
     pruned_count: usize,
+    protection: Protection,
     edges: Edges,
     patch: Box<Patch>,
     initial_triangle_count: usize,
@@ -194,18 +207,21 @@ pub struct Simplifier {
     fitted: bool,
     record: Record,
     stop_reason: StopReason,
+    blockers: Blockers,
 }
 
 impl Simplifier {
     /// Checks the mesh and the options; the work is left to [`Simplifier::step`].
     ///
     /// # Errors
-    /// As [`Mesh::validate`], and `invalid-argument` for a negative or NaN error.
+    /// As [`Mesh::validate`], and `invalid-argument` for a negative or NaN error, for weights or locks of another number
+    /// than the wedges', and for negative weights; `not-finite` for weights that are not.
     pub fn new(mesh: &Mesh, options: &SimplifyOptions) -> Result<Self, Error> {
         mesh.validate()?;
         if options.max_error.is_nan() || options.max_error < 0.0 {
             return Err(Error::new(ErrorCode::InvalidArgument, "error", "must not be negative"));
         }
+        protection::check(mesh, options)?;
         Ok(Self {
             options: options.clone(),
             stage: Stage::Weld,
@@ -226,6 +242,7 @@ impl Simplifier {
             blocked_by_error: false,
             last_resort: false,
             pruned_count: 0,
+            protection: Protection::default(),
             edges: Edges::default(),
             patch: Box::default(),
             initial_triangle_count: 0,
@@ -233,6 +250,7 @@ impl Simplifier {
             fitted: false,
             record: Record::default(),
             stop_reason: StopReason::Constraints,
+            blockers: Blockers::default(),
         })
     }
 
@@ -260,10 +278,26 @@ impl Simplifier {
                 let Self { preparation, topology, polylines, keys, options, .. } = self;
                 preparation.build_rings(range, topology, polylines, keys, options.lock_border);
                 if self.stage == Stage::Sweep {
+                    self.protect();
                     self.preparation = Preparation::default();
                 }
             }
             Stage::Sweep => self.sweep(mesh, work),
+            Stage::Blockers(first) => {
+                let count = self.topology.vertices.len();
+                let (mut next, mut left) = (first, work.max(1));
+                while next < count && left > 0 {
+                    // Vertices that are gone are stepped over in no time.
+                    let range = next..count.min(next + 64);
+                    next = range.end;
+                    left = left.saturating_sub(1 + self.count_blockers(range));
+                }
+                if next == count {
+                    self.begin_fit_or_end(mesh);
+                } else {
+                    self.stage = Stage::Blockers(next);
+                }
+            }
             Stage::Fit => {
                 let mut fit = self.fit.take();
                 if fit.as_mut().is_none_or(|fit| self.step_fit(mesh, fit, work)) {
@@ -292,6 +326,13 @@ impl Simplifier {
                 let share = if self.fits() { 0.6 } else { 0.699 };
                 0.3 + share * (gone as f32 / wanted as f32).min(1.0)
             }
+            Stage::Blockers(_) => {
+                if self.fits() {
+                    0.905
+                } else {
+                    0.9995
+                }
+            }
             Stage::Fit => {
                 let rounds = self.tuning().fit_rounds;
                 0.91 + 0.089 * self.fit.as_ref().map_or(0.0, |fit| fit.fraction(rounds))
@@ -311,8 +352,11 @@ impl Simplifier {
             self.initial_triangle_count = mesh.triangles.len();
             self.record = Record::new(self.initial_triangle_count, 0, 0, false);
         }
-        if self.stage < Stage::Fit {
+        if self.stage < Stage::Blockers(0) {
             self.stop_reason = StopReason::Time;
+        } else if self.stage < Stage::Fit {
+            // Half a count would mislead.
+            self.blockers = Blockers::default();
         }
         self.stage = Stage::Done;
     }
@@ -328,7 +372,7 @@ impl Simplifier {
                 (self.wedge_of_vertex[v], space.to_local(self.topology.vertices[v].position()))
             })
             .collect();
-        self.record.finish(self.vertex_of_wedge, self.initial_triangle_count, self.stop_reason, fitted)
+        self.record.finish(self.vertex_of_wedge, self.initial_triangle_count, (self.stop_reason, self.blockers), fitted)
     }
 
     /// How many parts of the surface have vanished; 0 without [`SimplifyOptions::prune`].
@@ -428,9 +472,17 @@ impl Simplifier {
         !live.is_empty()
     }
 
-    /// Ends the sweep; a fit of what is left may follow.
+    /// Ends the sweep; a fit of what is left may follow, and before it a look at what blocks that.
     fn complete(&mut self, mesh: &Mesh, reason: StopReason) {
         self.stop_reason = reason;
+        if reason == StopReason::Target {
+            self.begin_fit_or_end(mesh);
+        } else {
+            self.stage = Stage::Blockers(0);
+        }
+    }
+
+    fn begin_fit_or_end(&mut self, mesh: &Mesh) {
         let tuning = self.tuning();
         let dense = self.topology.live_triangle_count * tuning.fit_above > self.initial_triangle_count;
         if self.fits() && !dense && self.topology.live_triangle_count < self.initial_triangle_count {
@@ -496,6 +548,10 @@ impl Simplifier {
             return self.visit_last_of_part(mesh, v);
         }
         self.edges.gather(&self.topology, &self.polylines, self.options.placement, self.last_resort, v);
+        if !self.protection.is_empty() {
+            let Self { edges, topology, protection, .. } = self;
+            edges.weigh(topology, |w| protection.factor(v, w));
+        }
         let mut refused = false;
         let mut key = f32::INFINITY;
         for tries in 0..=TRIES {
@@ -510,6 +566,9 @@ impl Simplifier {
             match self.try_collapse(from, into, edge.placement) {
                 Ok(()) => {
                     self.record_collapse(mesh, from, into);
+                    if !self.protection.is_empty() {
+                        self.protection.merge(from, into);
+                    }
                     self.keys[from as usize] = f32::INFINITY;
                     if cost * 4.0 < self.threshold {
                         self.keys[into as usize] = self.threshold;

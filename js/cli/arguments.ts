@@ -3,7 +3,7 @@
 import { parseArgs, type ParseArgsConfig } from 'node:util';
 import { DecimeshError } from '../errors.js';
 import { PRESETS, isPreset } from '../options.js';
-import type { SimplifyOptions } from '../types.js';
+import type { DocumentSimplifyOptions } from '../types.js';
 
 /** Files to simplify, and how. */
 export interface Job {
@@ -13,7 +13,7 @@ export interface Job {
   /** At most one of `output` and `directory` is set, and one is unless `json` is. */
   readonly output: string | undefined;
   readonly directory: string | undefined;
-  readonly options: SimplifyOptions;
+  readonly options: DocumentSimplifyOptions;
   readonly json: boolean;
   /** Whether the deviation is to be measured. */
   readonly measure: boolean;
@@ -41,6 +41,8 @@ How:
   --placement RULE     optimal (default): new vertex positions; subset: only original ones
   --lock-border        open borders do not move
   --prune              parts that are down to a triangle may vanish
+  --weight-attribute A where the vertex attribute A is large fewer triangles go: _WEIGHT, COLOR_0.g
+  --weight-scale S     times this; a weight of 10 makes a collapse 11 times as dear
   --preset NAME        time against quality: fast, balanced (default) or best
   --time-budget MS     simplify for at most so many milliseconds; the result is what was done by then
 
@@ -71,6 +73,8 @@ const OPTIONS = {
   'time-budget': { type: 'string' },
   'lock-border': { type: 'boolean' },
   prune: { type: 'boolean' },
+  'weight-attribute': { type: 'string' },
+  'weight-scale': { type: 'string' },
   compress: { type: 'string' },
   quantize: { type: 'boolean' },
   measure: { type: 'boolean' },
@@ -123,7 +127,7 @@ function refuseUnsupported({ size, lods, quantize, compress }: Values): void {
   throw usage('--compress', known ? `${compress} is not supported yet` : `must be none, not '${compress}'`);
 }
 
-function simplifyOptions(values: Values): SimplifyOptions {
+function simplifyOptions(values: Values): DocumentSimplifyOptions {
   const { ratio, triangles, error, placement, preset } = values;
   if (ratio === undefined && triangles === undefined && error === undefined) {
     throw usage('options', 'name a target: --ratio R, --triangles N or --error E');
@@ -134,6 +138,9 @@ function simplifyOptions(values: Values): SimplifyOptions {
   if (preset !== undefined && !isPreset(preset)) {
     throw usage('--preset', `must be ${PRESETS.join(', ')}, not '${preset}'`);
   }
+  if (values['weight-scale'] !== undefined && values['weight-attribute'] === undefined) {
+    throw usage('--weight-scale', 'needs --weight-attribute beside it');
+  }
   return {
     ratio: number('--ratio', ratio, 'a number from 0 to 1', (value) => value <= 1),
     triangles: number('--triangles', triangles, 'an integer of at least 0', Number.isSafeInteger),
@@ -143,6 +150,8 @@ function simplifyOptions(values: Values): SimplifyOptions {
     timeBudget: number('--time-budget', values['time-budget'], 'a number of milliseconds of at least 0', () => true),
     lockBorder: values['lock-border'],
     prune: values.prune,
+    weightAttribute: values['weight-attribute'],
+    weightScale: number('--weight-scale', values['weight-scale'], 'a number of at least 0', () => true),
   };
 }
 
@@ -156,7 +165,7 @@ function number(name: string, text: string | undefined, wanted: string, fits: (v
   return value;
 }
 
-function errorLimit(text: string | undefined): SimplifyOptions['error'] {
+function errorLimit(text: string | undefined): DocumentSimplifyOptions['error'] {
   const wanted = 'a number of at least 0, or a percentage such as 0.1%';
   const value = number('--error', text?.replace(/%$/, ''), wanted, () => true);
   return text?.endsWith('%') ? `${value as number}%` : value;

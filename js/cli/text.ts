@@ -1,6 +1,7 @@
 // What people read in the terminal: errors, warnings, progress and the line on each finished file.
 
 import { basename } from 'node:path';
+import { describeBlockers } from '../blockers.js';
 import { DecimeshError } from '../errors.js';
 import type { Report } from '../report.js';
 import type { StopReason, Warning } from '../types.js';
@@ -26,7 +27,7 @@ const STOPPED: Readonly<Record<StopReason, string>> = {
 };
 
 /** What became of a file. */
-export function resultLine({ input, output, stopReason, estimatedError, deviation, timings }: Report, diagonal: number): string {
+export function resultLine({ input, output, stopReason, blockers, estimatedError, deviation, timings }: Report, diagonal: number): string {
   const count = (value: number): string => value.toLocaleString('en');
   const seconds = (timings.read + timings.simplify + timings.measure + timings.write) / 1000;
   const percent = (value: number): string => `${((100 * value) / diagonal).toPrecision(2)} %`;
@@ -35,7 +36,8 @@ export function resultLine({ input, output, stopReason, estimatedError, deviatio
     deviation === null
       ? ''
       : `, measured deviation max ${shown(deviation.max)}, mean ${shown(deviation.mean)}, rms ${shown(deviation.rms)}`;
-  const stopped = stopReason === null ? '' : STOPPED[stopReason];
+  const blocked = stopReason === 'constraints' && blockers !== null ? ` (${describeBlockers(blockers)})` : '';
+  const stopped = stopReason === null ? '' : STOPPED[stopReason] + blocked;
   return line([
     `${input.path} → ${output.path}`,
     `${count(input.triangles)} → ${count(output.triangles)} triangles${stopped}, ${size(input.bytes)} → ` +

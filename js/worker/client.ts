@@ -14,15 +14,16 @@ import type {
   LevelSummary,
   MeasureOptions,
   MeshInput,
+  MeshSimplifyOptions,
   RunOptions,
   SimplifiedMesh,
-  SimplifyOptions,
   Targets,
   WriteOptions,
 } from '../types.js';
 import { startPort, type Port } from './port.js';
 import type { Answer, AnsweredRequest, AnswerTo, Reply, Request } from './protocol.js';
 
+export { describeBlockers } from '../blockers.js';
 export { DecimeshError } from '../errors.js';
 export { OUTPUT_FORMATS, usualFormat } from '../formats.js';
 export { PRESETS, isPreset } from '../options.js';
@@ -84,7 +85,7 @@ export class WorkerClient {
   }
 
   /** Simplifies bare arrays in the worker, as `simplify` does. They are copied to it; the result's are not. */
-  async simplify(mesh: MeshInput, options: SimplifyOptions & RunOptions): Promise<SimplifiedMesh> {
+  async simplify(mesh: MeshInput, options: MeshSimplifyOptions & RunOptions): Promise<SimplifiedMesh> {
     const [simplifyOptions, runOptions] = splitOptions(options);
     const connection = await this.#connect(runOptions.signal);
     const reply = await connection.request({ type: 'simplify-arrays', mesh, options: simplifyOptions }, runOptions);

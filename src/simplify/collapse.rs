@@ -72,24 +72,9 @@ impl Simplifier {
     /// Collapses the edge if it is legal: `from` vanishes, `into` moves to the placement.
     #[inline(always)]
     pub(super) fn try_collapse(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
-        let length = |v: u32| self.topology.vertices[v as usize].ring_length();
-        if length(from) + length(into) > legality::MAX_FAN {
-            return Err(Refusal::Topology);
-        }
-        for v in [from, into] {
-            self.topology.refresh(v, &mut self.patch.builder);
-        }
+        let error_squared = self.admit(from, into, placement.cost)?;
         let (a, b) = (&self.topology.vertices[from as usize], &self.topology.vertices[into as usize]);
         let (kind_from, kind_into) = (a.kind, b.kind);
-        if kind_from > VertexKind::Manifold && !polyline_stays_open(&self.polylines, &self.topology, from, into) {
-            return Err(Refusal::Topology);
-        }
-        let weight = a.quadric().trace() + b.quadric().trace();
-        let step = if weight > 0.0 { placement.cost / weight } else { 0.0 };
-        let error_squared = if a.error_squared > b.error_squared { a.error_squared } else { b.error_squared } + step;
-        if error_squared > self.max_error_squared {
-            return Err(Refusal::Error);
-        }
         let spliced = a.form() == Form::Closed
             && b.form() == Form::Closed
             && a.ring_length() + b.ring_length() <= CAPACITY
@@ -106,6 +91,34 @@ impl Simplifier {
             self.update_lines((from, old_from), (into, old_into));
         }
         Ok(())
+    }
+
+    /// What can be said before the rings are looked at. Returns the squared error that the merged vertex has.
+    #[inline(always)]
+    fn admit(&mut self, from: u32, into: u32, cost: f32) -> Result<f32, Refusal> {
+        // The error is that of the surface, however dear it was made.
+        let cost = if self.protection.is_empty() { cost } else { cost / self.protection.factor(from, into) };
+        let length = |v: u32| self.topology.vertices[v as usize].ring_length();
+        if length(from) + length(into) > legality::MAX_FAN {
+            return Err(Refusal::Topology);
+        }
+        for v in [from, into] {
+            self.topology.refresh(v, &mut self.patch.builder);
+        }
+        let (a, b) = (&self.topology.vertices[from as usize], &self.topology.vertices[into as usize]);
+        if a.kind > VertexKind::Manifold && !polyline_stays_open(&self.polylines, &self.topology, from, into) {
+            return Err(Refusal::Lines);
+        }
+        let weight = a.quadric().trace() + b.quadric().trace();
+        let step = if weight > 0.0 { cost / weight } else { 0.0 };
+        let error_squared = if a.error_squared > b.error_squared { a.error_squared } else { b.error_squared } + step;
+        if error_squared > self.max_error_squared { Err(Refusal::Error) } else { Ok(error_squared) }
+    }
+
+    /// As [`Simplifier::try_collapse`], without doing it.
+    pub(super) fn inspect(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
+        self.admit(from, into, placement.cost * self.protection.factor(from, into))?;
+        self.inspect_any(from, into, placement).map(|_| ())
     }
 
     /// Merges two closed rings. Returns the quadric of the merged vertex.
@@ -172,34 +185,39 @@ impl Simplifier {
         Ok(quadric)
     }
 
-    /// Merges any two vertices that share a triangle.
-    #[inline(never)]
-    fn merge_any(&mut self, from: u32, into: u32, placement: Placement) -> Result<Quadric, Refusal> {
+    /// Whether there may be no surface at the edge, and nothing is left to do where there is one.
+    fn is_loose(&self, from: u32, into: u32) -> bool {
+        self.last_resort
+            && [from, into].iter().any(|&v| self.topology.vertices[v as usize].kind == VertexKind::NonManifold)
+    }
+
+    /// Looks whether any two vertices that share a triangle may merge, and leaves in the patch what that takes.
+    /// Returns the quadric of the merged vertex.
+    fn inspect_any(&mut self, from: u32, into: u32, placement: Placement) -> Result<Quadric, Refusal> {
+        let loose = self.is_loose(from, into);
         let Self { topology, patch, .. } = self;
-        let Patch {
-            corners_from,
-            corners_into,
-            changes,
-            neighbours,
-            builder,
-            marks,
-            epoch,
-            merges,
-            wedges,
-            set_starts,
-            ..
-        } = &mut **patch;
+        let Patch { corners_from, corners_into, changes, builder, marks, epoch, merges, set_starts, .. } = &mut **patch;
         corners_from.clear();
         corners_into.clear();
         topology.corners(from, corners_from);
         topology.corners(into, corners_into);
         marks.resize(topology.vertices.len(), 0);
         let kinds = [from, into].map(|v| topology.vertices[v as usize].kind);
-        let loose = self.last_resort && kinds.contains(&VertexKind::NonManifold);
         if loose {
             legality::check_soup((from, corners_from), (into, corners_into))?;
         } else {
             legality::check_link(marks, epoch, (from, corners_from), (into, corners_into))?;
+        }
+        // A locked vertex does not vanish with the last of its triangles.
+        for c in corners_from.iter().filter(|c| c.next == into || c.previous == into) {
+            let third = if c.next == into { c.previous } else { c.next };
+            if topology.vertices[third as usize].kind == VertexKind::Locked {
+                let gone = |o: &&Corner| [o.next, o.previous] == [into, third] || [o.next, o.previous] == [third, into];
+                let gone = corners_from.iter().filter(gone).count();
+                if topology.triangles_at(third) <= gone {
+                    return Err(Refusal::Lines);
+                }
+            }
         }
         merges.clear();
         pair_wedges(merges, set_starts, (from, corners_from), (into, corners_into));
@@ -207,7 +225,7 @@ impl Simplifier {
             // A seam that ends in `from` would have to go on in one of its sides.
             let torn = |m: &(u32, u32)| merges.iter().any(|o| o.0 == m.0 && o.1 != m.1);
             if merges.iter().any(torn) {
-                return Err(Refusal::Topology);
+                return Err(Refusal::Lines);
             }
         }
         let mut all = std::mem::take(merges);
@@ -229,12 +247,21 @@ impl Simplifier {
             corners_into.extend(corners_from.iter().filter(stays));
             let form = builder.build(corners_into);
             if form == Form::Parts {
-                return Err(Refusal::Topology);
+                return Err(Refusal::Lines);
             }
         }
-        let quadric = look_any(topology, changes, placement.position)?;
+        look_any(topology, changes, placement.position)
+    }
+
+    /// Merges any two vertices that share a triangle.
+    #[inline(never)]
+    fn merge_any(&mut self, from: u32, into: u32, placement: Placement) -> Result<Quadric, Refusal> {
+        let quadric = self.inspect_any(from, into, placement)?;
 
         // From here on the collapse is done.
+        let loose = self.is_loose(from, into);
+        let Self { topology, patch, .. } = self;
+        let Patch { corners_from, corners_into, changes, neighbours, builder, merges, wedges, .. } = &mut **patch;
         let at_from = topology.vertices[from as usize].position();
         let mut gone = 0;
         for c in corners_from.iter().filter(|c| c.next == into || c.previous == into) {

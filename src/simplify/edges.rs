@@ -172,4 +172,40 @@ impl Edges {
         let refused = Placement { position: Vec3::ZERO, cost: f32::INFINITY };
         self.placements[index / WIDTH].set(index % WIDTH, refused);
     }
+
+    /// As [`Edges::gather`], but slower, and for [`Edges::iter`].
+    pub(super) fn list(
+        &mut self,
+        topology: &Topology,
+        polylines: &Polylines,
+        rule: PlacementRule,
+        last_resort: bool,
+        v: u32,
+    ) {
+        self.listed.clear();
+        self.placements.clear();
+        self.vertex = v;
+        self.gather_by_kind(topology, polylines, rule, last_resort, v);
+    }
+
+    /// Every edge that [`Edges::list`] found.
+    pub(super) fn iter(&self) -> impl Iterator<Item = Edge> {
+        let real = self.listed.iter().enumerate().filter(|(_, (neighbour, _))| *neighbour != NONE);
+        real.filter_map(|(i, &(neighbour, freedom))| {
+            let placement = self.placements.get(i / WIDTH)?.get(i % WIDTH);
+            Some(Edge { neighbour, freedom, placement })
+        })
+    }
+
+    /// Multiplies the cost of each edge by the factor of its neighbour.
+    pub(super) fn weigh(&mut self, topology: &Topology, factor: impl Fn(u32) -> f32) {
+        let ring = topology.ring(self.vertex);
+        let all = self.placements.len() * WIDTH;
+        for i in 0..all {
+            let neighbour = if self.listed.is_empty() { ring.get(i) } else { self.listed.get(i).map(|(w, _)| w) };
+            if let Some(&w) = neighbour.filter(|&&w| w != NONE) {
+                self.placements[i / WIDTH].scale_cost(i % WIDTH, factor(w));
+            }
+        }
+    }
 }

@@ -21,6 +21,8 @@ pub(super) const MAX_FAN: usize = 2048;
 pub(super) enum Refusal {
     /// It would change the topology: the link condition fails.
     Topology,
+    /// A line of borders, seams or sheets would close onto itself or tear.
+    Lines,
     /// A triangle would turn over or become degenerate.
     Flip,
     /// The estimated error would exceed the limit.

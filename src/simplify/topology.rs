@@ -180,6 +180,13 @@ impl Topology {
         }
     }
 
+    /// How many triangles there are at `v`.
+    pub(super) fn triangles_at(&self, v: u32) -> usize {
+        let ring = self.ring(v);
+        let chained = ring.windows(2).filter(|pair| pair[0] != NONE && pair[1] != NONE).count();
+        chained + usize::from(self.vertices[v as usize].form == Form::Closed && ring.len() > 1)
+    }
+
     /// Gives `v` a ring, in its own block if it fits, else in that of `spare`, else in another.
     /// Vertex `spare` is gone and its block is free afterwards.
     pub(super) fn set_ring(&mut self, v: u32, spare: u32, form: Form, ring: &[u32], wedges: &[u32]) {
