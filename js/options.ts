@@ -28,6 +28,9 @@ export interface SimplifyRequest extends ResolvedTargets {
   keepLevels?: boolean;
   weightAttribute?: string;
   weightScale?: number;
+  /** Model units. */
+  mergeDistance?: number;
+  memoryLimit?: number;
 }
 
 /** The presets, from the fastest to the best. */
@@ -36,7 +39,7 @@ export const PRESETS: readonly Preset[] = ['fast', 'balanced', 'best'];
 const TARGETS = ['ratio', 'triangles', 'error'];
 
 /** Names of the options of a simplification. */
-export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'prune', 'placement', 'preset', 'timeBudget'];
+export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'prune', 'placement', 'preset', 'timeBudget', 'mergeDistance', 'memoryLimit'];
 
 /** Names of {@link MeshSimplifyOptions}. */
 export const MESH_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'weights', 'locked'];
@@ -71,7 +74,7 @@ export function isPreset(value: unknown): value is Preset {
  * is no part of the request: the engine knows no clock.
  */
 export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, scale: Scale): SimplifyRequest {
-  const { placement, preset, timeBudget, weightAttribute, weightScale, onProgress, signal } = options;
+  const { placement, preset, timeBudget, mergeDistance, memoryLimit, weightAttribute, weightScale, onProgress, signal } = options;
   const request: SimplifyRequest = targetsOf(options, scale);
   for (const name of ['lockBorder', 'prune', 'everyLevel', 'keepLevels'] as const) {
     const value = options[name];
@@ -82,6 +85,13 @@ export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, sc
   if (preset !== undefined) {
     if (!isPreset(preset)) throw invalidArgument('preset', `must be one of ${PRESETS.join(', ')}, not ${shown(preset)}`);
     request.preset = preset;
+  }
+  if (mergeDistance !== undefined) request.mergeDistance = lengthInModelUnits('mergeDistance', mergeDistance, scale.diagonal);
+  if (memoryLimit !== undefined) {
+    if (!(Number.isFinite(memoryLimit) && memoryLimit >= 0)) {
+      throw invalidArgument('memoryLimit', `must be a number of bytes of at least 0, not ${shown(memoryLimit)}`);
+    }
+    request.memoryLimit = memoryLimit;
   }
   if (weightAttribute !== undefined) {
     if (typeof weightAttribute !== 'string') throw invalidArgument('weightAttribute', 'must be the name of an attribute');
@@ -166,15 +176,15 @@ function targetsOf({ ratio, triangles, error }: Targets, scale: Scale): Resolved
     // Of several targets the first that is reached counts: going down, the larger.
     targets.triangles = Math.max(triangles, targets.triangles ?? 0);
   }
-  if (error !== undefined) targets.error = errorInModelUnits(error, scale.diagonal);
+  if (error !== undefined) targets.error = lengthInModelUnits('error', error, scale.diagonal);
   return targets;
 }
 
-function errorInModelUnits(error: number | string, diagonal: number): number {
-  const percent = typeof error === 'string' ? /^\s*(\d+(?:\.\d*)?(?:e[+-]?\d+)?|\.\d+)\s*%\s*$/i.exec(error)?.[1] : undefined;
-  const value = percent === undefined ? error : (Number(percent) / 100) * diagonal;
+function lengthInModelUnits(name: string, length: number | string, diagonal: number): number {
+  const percent = typeof length === 'string' ? /^\s*(\d+(?:\.\d*)?(?:e[+-]?\d+)?|\.\d+)\s*%\s*$/i.exec(length)?.[1] : undefined;
+  const value = percent === undefined ? length : (Number(percent) / 100) * diagonal;
   if (typeof value !== 'number' || !(value >= 0) || value === Infinity) {
-    throw invalidArgument('error', `must be a number of at least 0 or a percentage such as '0.1%', not ${shown(error)}`);
+    throw invalidArgument(name, `must be a number of at least 0 or a percentage such as '0.1%', not ${shown(length)}`);
   }
   return value;
 }

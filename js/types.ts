@@ -144,6 +144,17 @@ export interface SimplifyOptions extends Targets {
    * while a large mesh is made ready; the same budget gives another result on another machine. Default: no limit.
    */
   readonly timeBudget?: number | undefined;
+  /**
+   * Vertices of separate parts of a mesh that are nearer than this may merge although no edge joins them: a number ≥ 0
+   * in model units, or `'0.1%'` of the bounding box's diagonal. 0 (default) keeps separate what is. Where parts have
+   * merged, more than two faces may meet in an edge.
+   */
+  readonly mergeDistance?: number | `${number}%` | undefined;
+  /**
+   * Most bytes the engine may take for the run beside the mesh, a number ≥ 0. What the run will take is estimated before
+   * it starts, from above; more is the error `too-large`, which names both figures. Default: what WebAssembly can have.
+   */
+  readonly memoryLimit?: number | undefined;
 }
 
 /** How to simplify bare arrays. */

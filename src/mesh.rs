@@ -145,6 +145,13 @@ impl Mesh {
         Ok(())
     }
 
+    /// Bytes of all positions, attributes and triangles.
+    #[must_use]
+    pub fn byte_count(&self) -> u64 {
+        let values: usize = self.wedge_sets.iter().flat_map(|set| &set.attributes).map(|a| a.values.len()).sum();
+        (size_of_val(self.positions.as_slice()) + size_of_val(self.triangles.as_slice()) + 4 * values) as u64
+    }
+
     /// One component of an attribute for each wedge, 0 where a wedge has none: `name` is the attribute's, or the name
     /// and a component, `COLOR_0.g` (of x y z w or r g b a); without one the first.
     ///

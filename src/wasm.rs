@@ -87,6 +87,10 @@ struct SimplifyRequest {
     /// Name of an attribute, as [`Mesh::channel`] takes it.
     weight_attribute: Option<String>,
     weight_scale: Option<f32>,
+    /// World units.
+    merge_distance: f32,
+    /// Bytes.
+    memory_limit: Option<f64>,
 }
 
 impl SimplifyRequest {
@@ -138,7 +142,11 @@ impl SimplifyRequest {
             return invalid("weightScale", "must be a finite number of at least 0");
         }
         weights.iter_mut().for_each(|weight| *weight *= scale);
+        // What the model itself takes is there already. A sixteenth is left for results and what no count explains.
+        let most = (u64::from(u32::MAX) / 16 * 15).saturating_sub(mesh.byte_count());
         Ok(SimplifyOptions {
+            merge_distance: self.merge_distance,
+            memory_limit: self.memory_limit.map_or(most, |limit| most.min(limit as u64)),
             weights,
             locked: Vec::new(),
             target_triangle_count: target as usize,

@@ -6,6 +6,7 @@ mod support;
 
 mod control {
     mod blockers;
+    mod pairs;
     mod protection;
 
     use decimesh::collapse_sequence::CollapseSequence;

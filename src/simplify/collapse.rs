@@ -30,6 +30,8 @@ pub(super) struct Patch {
     pub(super) merges: Vec<(u32, u32)>,
     corners_from: Vec<Corner>,
     corners_into: Vec<Corner>,
+    /// How many edges of more than two triangles a loose merge makes beyond those that it removes.
+    new_sheet_edges: i64,
     changes: Vec<Change>,
     neighbours: Vec<u32>,
     pub(super) builder: RingBuilder,
@@ -50,6 +52,7 @@ impl Default for Patch {
             merges: Vec::new(),
             corners_from: Vec::new(),
             corners_into: Vec::new(),
+            new_sheet_edges: 0,
             changes: Vec::new(),
             neighbours: Vec::new(),
             builder: RingBuilder::default(),
@@ -82,15 +85,31 @@ impl Simplifier {
         let (old_from, old_into) = (a.position(), b.position());
         let quadric =
             if spliced { self.splice(from, into, placement)? } else { self.merge_any(from, into, placement)? };
-        let vertex = &mut self.topology.vertices[into as usize];
-        vertex.moved |= old_into != placement.position;
-        vertex.packed.set_quadric(&quadric);
-        vertex.packed.set_position(placement.position);
-        vertex.error_squared = error_squared;
+        self.settle_at(into, placement.position, &quadric, error_squared);
         if kind_from > VertexKind::Manifold || kind_into > VertexKind::Manifold {
             self.update_lines((from, old_from), (into, old_into));
         }
         Ok(())
+    }
+
+    /// As [`Simplifier::try_collapse`] for two vertices that no edge joins.
+    #[inline(never)]
+    pub(super) fn try_merge(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
+        let error_squared = self.admit(from, into, placement.cost)?;
+        let [old_from, old_into] = [from, into].map(|v| self.topology.vertices[v as usize].position());
+        let quadric = self.merge_any(from, into, placement)?;
+        self.settle_at(into, placement.position, &quadric, error_squared);
+        self.update_lines((from, old_from), (into, old_into));
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn settle_at(&mut self, v: u32, position: Vec3, quadric: &Quadric, error_squared: f32) {
+        let vertex = &mut self.topology.vertices[v as usize];
+        vertex.moved |= vertex.position() != position;
+        vertex.packed.set_quadric(quadric);
+        vertex.packed.set_position(position);
+        vertex.error_squared = error_squared;
     }
 
     /// What can be said before the rings are looked at. Returns the squared error that the merged vertex has.
@@ -106,7 +125,10 @@ impl Simplifier {
             self.topology.refresh(v, &mut self.patch.builder);
         }
         let (a, b) = (&self.topology.vertices[from as usize], &self.topology.vertices[into as usize]);
-        if a.kind > VertexKind::Manifold && !polyline_stays_open(&self.polylines, &self.topology, from, into) {
+        if a.kind > VertexKind::Manifold
+            && !self.pairing
+            && !polyline_stays_open(&self.polylines, &self.topology, from, into)
+        {
             return Err(Refusal::Lines);
         }
         let weight = a.quadric().trace() + b.quadric().trace();
@@ -187,16 +209,28 @@ impl Simplifier {
 
     /// Whether there may be no surface at the edge, and nothing is left to do where there is one.
     fn is_loose(&self, from: u32, into: u32) -> bool {
-        self.last_resort
-            && [from, into].iter().any(|&v| self.topology.vertices[v as usize].kind == VertexKind::NonManifold)
+        self.pairing
+            || self.last_resort
+                && [from, into].iter().any(|&v| self.topology.vertices[v as usize].kind == VertexKind::NonManifold)
     }
 
     /// Looks whether any two vertices that share a triangle may merge, and leaves in the patch what that takes.
     /// Returns the quadric of the merged vertex.
     fn inspect_any(&mut self, from: u32, into: u32, placement: Placement) -> Result<Quadric, Refusal> {
         let loose = self.is_loose(from, into);
-        let Self { topology, patch, .. } = self;
-        let Patch { corners_from, corners_into, changes, builder, marks, epoch, merges, set_starts, .. } = &mut **patch;
+        let Self { topology, patch, spare_sheet_edges, pairing, .. } = self;
+        let Patch {
+            corners_from,
+            corners_into,
+            changes,
+            builder,
+            marks,
+            epoch,
+            merges,
+            set_starts,
+            new_sheet_edges,
+            ..
+        } = &mut **patch;
         corners_from.clear();
         corners_into.clear();
         topology.corners(from, corners_from);
@@ -204,7 +238,8 @@ impl Simplifier {
         marks.resize(topology.vertices.len(), 0);
         let kinds = [from, into].map(|v| topology.vertices[v as usize].kind);
         if loose {
-            legality::check_soup((from, corners_from), (into, corners_into))?;
+            let spare = if *pairing { Some(i64::MAX) } else { *spare_sheet_edges };
+            *new_sheet_edges = legality::check_soup((from, corners_from), (into, corners_into), spare)?;
         } else {
             legality::check_link(marks, epoch, (from, corners_from), (into, corners_into))?;
         }
@@ -260,6 +295,9 @@ impl Simplifier {
 
         // From here on the collapse is done.
         let loose = self.is_loose(from, into);
+        if let (true, Some(spare)) = (loose, &mut self.spare_sheet_edges) {
+            *spare -= self.patch.new_sheet_edges;
+        }
         let Self { topology, patch, .. } = self;
         let Patch { corners_from, corners_into, changes, neighbours, builder, merges, wedges, .. } = &mut **patch;
         let at_from = topology.vertices[from as usize].position();

@@ -59,6 +59,7 @@ pub(super) fn check(mesh: &Mesh, options: &SimplifyOptions) -> Result<(), Error>
 impl Simplifier {
     /// Gives the vertices their weights and locks, once their kinds and first keys are known. What several wedges of a
     /// vertex have is the most of it.
+    #[inline(never)]
     pub(super) fn protect(&mut self) {
         let (weights, locked) = (std::mem::take(&mut self.options.weights), std::mem::take(&mut self.options.locked));
         if weights.is_empty() && locked.is_empty() {

@@ -1,4 +1,4 @@
-// Weights and locks, from arrays and from a file's attribute, on this thread, in the worker and on the command line.
+// Weights, locks, merging of parts and the limit of memory: on this thread, in the worker, on the command line.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { beforeAll, describe, expect, it } from 'vitest';
@@ -93,4 +93,32 @@ it('the command line takes weights from an attribute', async () => {
   expect((JSON.parse(weighted.stdout) as Report).stopReason).toBe('target');
   expect(await run('--weight-scale', '2')).toMatchObject({ code: 2, stderr: 'usage: --weight-scale: needs --weight-attribute beside it\n' });
   expect(await run('--weight-attribute', 'COLOR_0')).toMatchObject({ code: 3 });
+});
+
+it('parts that nearly touch merge within the distance, and memory has a limit', async () => {
+  // Two sheets of hills beside each other, a tenth of a square apart.
+  const [left, right] = [hills(SIZE), hills(SIZE)];
+  const shift = 1 + 0.1 / SIZE;
+  const positions = new Float32Array([...left.positions, ...right.positions.map((value, index) => (index % 3 === 0 ? value + shift : value))]);
+  const indices = new Uint32Array([...left.indices, ...right.indices.map((vertex) => vertex + VERTICES)]);
+  /** Whether a triangle has vertices of both sheets. */
+  const joined = ({ indices: of, vertexMap }: SimplifiedMesh): boolean => {
+    for (let at = 0; at < of.length; at += 3) {
+      const sides = [0, 1, 2].map((k) => (vertexMap[of[at + k] as number] as number) < VERTICES);
+      if (sides.includes(true) && sides.includes(false)) return true;
+    }
+    return false;
+  };
+  expect(joined(simplify({ positions, indices }, { triangles: 60 }))).toBe(false);
+  expect(joined(simplify({ positions, indices }, { triangles: 60, mergeDistance: 0.2 / SIZE }))).toBe(true);
+  expect(joined(simplify({ positions, indices }, { triangles: 60, mergeDistance: '1%' }))).toBe(true);
+  expect(thrown(() => simplify({ positions, indices }, { ratio: 0.5, mergeDistance: -1 }))).toMatchObject({ code: 'invalid-argument', where: 'mergeDistance' });
+
+  expect(thrown(() => simplify({ positions, indices }, { ratio: 0.5, memoryLimit: 1e5 }))).toMatchObject({
+    code: 'too-large', where: 'mesh', message: expect.stringMatching(/^simplifying 2178 vertices and 4096 triangles takes about 1 MB of memory; 0 MB are allowed$/),
+  });
+  expect(simplify({ positions, indices }, { ratio: 0.5, memoryLimit: 1e9 }).stopReason).toBe('target');
+  using document = await openDocument(glb(gltfOf(hills(SIZE))));
+  await expect(document.simplify({ ratio: 0.5, memoryLimit: 1000 })).rejects.toMatchObject({ code: 'too-large' });
+  expect((await document.simplify({ ratio: 0.5, mergeDistance: '0.1%' })).stopReason).toBe('target');
 });
