@@ -96,10 +96,10 @@ it('the command line takes weights from an attribute', async () => {
 });
 
 it('parts that nearly touch merge within the distance, and memory has a limit', async () => {
-  // Two sheets of hills beside each other, a tenth of a square apart.
+  // A sheet of hills and its mirror image, a tenth of a square apart.
   const [left, right] = [hills(SIZE), hills(SIZE)];
-  const shift = 1 + 0.1 / SIZE;
-  const positions = new Float32Array([...left.positions, ...right.positions.map((value, index) => (index % 3 === 0 ? value + shift : value))]);
+  const mirror = 2 + 0.1 / SIZE;
+  const positions = new Float32Array([...left.positions, ...right.positions.map((value, index) => (index % 3 === 0 ? mirror - value : value))]);
   const indices = new Uint32Array([...left.indices, ...right.indices.map((vertex) => vertex + VERTICES)]);
   /** Whether a triangle has vertices of both sheets. */
   const joined = ({ indices: of, vertexMap }: SimplifiedMesh): boolean => {
