@@ -1,6 +1,7 @@
 // The package's public surface.
 
 export { init, type WasmSource } from './engine.js';
+export { describeBlockers } from './blockers.js';
 export { COMPRESSIONS, OUTPUT_FORMATS } from './formats.js';
 export { PRESETS } from './options.js';
 export { openDocument, externalFiles, type Document, type Written } from './document.js';
@@ -10,6 +11,7 @@ export type { Parts } from './parts.js';
 export type { Deviation, Report, ReportedFile, ReportedLod, SideDeviation, Timings } from './report.js';
 export type {
   AttributeArray,
+  Blockers,
   Compression,
   DocumentInput,
   DocumentSimplifyOptions,
@@ -24,6 +26,7 @@ export type {
   MeasureOptions,
   MeshAttributes,
   MeshInput,
+  MeshSimplifyOptions,
   NamedBytes,
   OutputFormat,
   Preset,

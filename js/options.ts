@@ -3,7 +3,9 @@
 import { checkNames } from './check.js';
 import { invalidArgument } from './errors.js';
 import { errorOfPixels } from './screen.js';
-import type { DocumentSimplifyOptions, LevelTargets, MeasureOptions, Preset, RunOptions, Targets } from './types.js';
+import type {
+  DocumentSimplifyOptions, LevelTargets, MeasureOptions, MeshSimplifyOptions, Preset, RunOptions, Targets,
+} from './types.js';
 
 export { checkNames };
 
@@ -31,6 +33,11 @@ export interface SimplifyRequest extends ResolvedTargets {
   everyLevel?: boolean;
   keepLevels?: boolean;
   indexLevels?: boolean;
+  weightAttribute?: string;
+  weightScale?: number;
+  /** Model units. */
+  mergeDistance?: number;
+  memoryLimit?: number;
 }
 
 /** The presets, from the fastest to the best. */
@@ -39,10 +46,13 @@ export const PRESETS: readonly Preset[] = ['fast', 'balanced', 'best'];
 const TARGETS = ['ratio', 'triangles', 'error'];
 
 /** Names of the options of a simplification. */
-export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'prune', 'placement', 'preset', 'timeBudget'];
+export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'prune', 'placement', 'preset', 'timeBudget', 'mergeDistance', 'memoryLimit'];
+
+/** Names of {@link MeshSimplifyOptions}. */
+export const MESH_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'weights', 'locked'];
 
 /** Names of {@link DocumentSimplifyOptions}. */
-export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels'];
+export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels', 'weightAttribute', 'weightScale'];
 
 /** Names of {@link RunOptions}. */
 export const RUN_NAMES: readonly string[] = ['onProgress', 'signal'];
@@ -69,7 +79,7 @@ export function isPreset(value: unknown): value is Preset {
  * is no part of the request: the engine knows no clock.
  */
 export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, scale: Scale): SimplifyRequest {
-  const { placement, preset, timeBudget, onProgress, signal } = options;
+  const { placement, preset, timeBudget, mergeDistance, memoryLimit, weightAttribute, weightScale, onProgress, signal } = options;
   const request: SimplifyRequest = targetsOf(options, scale);
   for (const name of ['lockBorder', 'prune', 'everyLevel', 'keepLevels'] as const) {
     const value = options[name];
@@ -80,6 +90,24 @@ export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, sc
   if (preset !== undefined) {
     if (!isPreset(preset)) throw invalidArgument('preset', `must be one of ${PRESETS.join(', ')}, not ${shown(preset)}`);
     request.preset = preset;
+  }
+  if (mergeDistance !== undefined) request.mergeDistance = lengthInModelUnits('mergeDistance', mergeDistance, scale.diagonal);
+  if (memoryLimit !== undefined) {
+    if (!(Number.isFinite(memoryLimit) && memoryLimit >= 0)) {
+      throw invalidArgument('memoryLimit', `must be a number of bytes of at least 0, not ${shown(memoryLimit)}`);
+    }
+    request.memoryLimit = memoryLimit;
+  }
+  if (weightAttribute !== undefined) {
+    if (typeof weightAttribute !== 'string') throw invalidArgument('weightAttribute', 'must be the name of an attribute');
+    request.weightAttribute = weightAttribute;
+  }
+  if (weightScale !== undefined) {
+    if (!(Number.isFinite(weightScale) && weightScale >= 0)) {
+      throw invalidArgument('weightScale', `must be a number of at least 0, not ${shown(weightScale)}`);
+    }
+    if (weightAttribute === undefined) throw invalidArgument('weightScale', 'needs weightAttribute beside it');
+    request.weightScale = weightScale;
   }
   if (timeBudget !== undefined && !(Number.isFinite(timeBudget) && timeBudget >= 0)) {
     throw invalidArgument('timeBudget', `must be a number of at least 0, in milliseconds, not ${shown(timeBudget)}`);
@@ -95,6 +123,16 @@ export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, sc
   }
   checkSignal(signal);
   return request;
+}
+
+/** Checks the types and lengths of weights and locks; the values are the engine's to check. */
+export function checkProtection({ weights, locked }: MeshSimplifyOptions, vertices: number): void {
+  if (weights !== undefined && !(weights instanceof Float32Array && weights.length === vertices)) {
+    throw invalidArgument('weights', `must be a Float32Array of one number for each of the ${vertices} vertices`);
+  }
+  if (locked !== undefined && !(locked instanceof Uint8Array && locked.length === vertices)) {
+    throw invalidArgument('locked', `must be a Uint8Array of one number for each of the ${vertices} vertices`);
+  }
 }
 
 /** Checks `options` of a measurement. */
@@ -143,15 +181,15 @@ function targetsOf({ ratio, triangles, error }: Targets, scale: Scale): Resolved
     // Of several targets the first that is reached counts: going down, the larger.
     targets.triangles = Math.max(triangles, targets.triangles ?? 0);
   }
-  if (error !== undefined) targets.error = errorInModelUnits(error, scale.diagonal);
+  if (error !== undefined) targets.error = lengthInModelUnits('error', error, scale.diagonal);
   return targets;
 }
 
-function errorInModelUnits(error: number | string, diagonal: number): number {
-  const percent = typeof error === 'string' ? /^\s*(\d+(?:\.\d*)?(?:e[+-]?\d+)?|\.\d+)\s*%\s*$/i.exec(error)?.[1] : undefined;
-  const value = percent === undefined ? error : (Number(percent) / 100) * diagonal;
+function lengthInModelUnits(name: string, length: number | string, diagonal: number): number {
+  const percent = typeof length === 'string' ? /^\s*(\d+(?:\.\d*)?(?:e[+-]?\d+)?|\.\d+)\s*%\s*$/i.exec(length)?.[1] : undefined;
+  const value = percent === undefined ? length : (Number(percent) / 100) * diagonal;
   if (typeof value !== 'number' || !(value >= 0) || value === Infinity) {
-    throw invalidArgument('error', `must be a number of at least 0 or a percentage such as '0.1%', not ${shown(error)}`);
+    throw invalidArgument(name, `must be a number of at least 0 or a percentage such as '0.1%', not ${shown(length)}`);
   }
   return value;
 }

@@ -1,7 +1,7 @@
 // The report of one file's way through: what went in, what came out, how far they differ, how long it took.
 
 import type { Parts } from './parts.js';
-import type { DocumentSummary, Format, LevelSummary, OutputFormat, StopReason, Warning } from './types.js';
+import type { Blockers, DocumentSummary, Format, LevelSummary, OutputFormat, StopReason, Warning } from './types.js';
 
 /** A file in a report. */
 export interface ReportedFile<FileFormat extends Format = Format> {
@@ -71,6 +71,8 @@ export interface Report {
   readonly output: ReportedFile<OutputFormat>;
   /** Null when nothing was simplified. */
   readonly stopReason: StopReason | null;
+  /** What blocks the edges that are left, if the run ended for `'error'` or `'constraints'`. */
+  readonly blockers: Blockers | null;
   /** Estimated deviation from the original; 0 at full detail. */
   readonly estimatedError: number;
   /** Null unless the written level was measured. */
@@ -113,6 +115,7 @@ export function makeReport({ summary, level, deviation, output, parts, timings, 
       parts: output.parts,
     },
     stopReason: level?.stopReason ?? null,
+    blockers: level?.blockers ?? null,
     estimatedError: level?.estimatedError ?? 0,
     deviation: deviation ?? null,
     timings,

@@ -3,17 +3,18 @@
 import { EngineObject } from './engine.js';
 import { attributesForEngine, attributesFromEngine, checkMesh, type EngineAttribute } from './mesh.js';
 import {
+  MESH_SIMPLIFY_NAMES,
   RUN_NAMES,
-  SIMPLIFY_NAMES,
   checkHasTarget,
   checkNames,
+  checkProtection,
   resolveRequest,
   resolveTargets,
   type Scale,
   type SimplifyRequest,
 } from './options.js';
 import { runInSteps, runToEnd, type TimeLimit } from './run.js';
-import type { LevelSummary, LevelTargets, MeshInput, RunOptions, SimplifiedMesh, SimplifyOptions } from './types.js';
+import type { LevelSummary, LevelTargets, MeshInput, MeshSimplifyOptions, RunOptions, SimplifiedMesh } from './types.js';
 import type { Model } from './wasm/decimesh.js';
 
 /**
@@ -22,8 +23,8 @@ import type { Model } from './wasm/decimesh.js';
  * The input is only read. Throws `invalid-argument` naming the array or option (also when no target is given),
  * `out-of-range` for an index without a vertex, `not-finite` for NaN and infinities.
  */
-export function simplify(mesh: MeshInput, options: SimplifyOptions): SimplifiedMesh {
-  checkNames(options, SIMPLIFY_NAMES);
+export function simplify(mesh: MeshInput, options: MeshSimplifyOptions): SimplifiedMesh {
+  checkNames(options, MESH_SIMPLIFY_NAMES);
   checkHasTarget(options);
   const run = new MeshRun(mesh, options, false);
   try {
@@ -35,8 +36,8 @@ export function simplify(mesh: MeshInput, options: SimplifyOptions): SimplifiedM
 }
 
 /** As {@link simplify}, in steps between which events are handled; needs `init()` all the same. */
-export async function simplifyInSteps(mesh: MeshInput, options: SimplifyOptions & RunOptions): Promise<SimplifiedMesh> {
-  checkNames(options, [...SIMPLIFY_NAMES, ...RUN_NAMES]);
+export async function simplifyInSteps(mesh: MeshInput, options: MeshSimplifyOptions & RunOptions): Promise<SimplifiedMesh> {
+  checkNames(options, [...MESH_SIMPLIFY_NAMES, ...RUN_NAMES]);
   checkHasTarget(options);
   const run = new MeshRun(mesh, options, false);
   try {
@@ -54,7 +55,7 @@ export async function simplifyInSteps(mesh: MeshInput, options: SimplifyOptions 
  * Targets bound how far the record goes; without any it goes as far as the shape allows. The sequence holds memory of
  * the engine until {@link MeshSequence.dispose}. Throws what {@link simplify} throws.
  */
-export function simplifySequence(mesh: MeshInput, options: SimplifyOptions = {}): MeshSequence {
+export function simplifySequence(mesh: MeshInput, options: MeshSimplifyOptions = {}): MeshSequence {
   return new MeshSequence(mesh, options);
 }
 
@@ -63,8 +64,8 @@ export class MeshSequence {
   readonly #run: MeshRun;
 
   /** @internal Use {@link simplifySequence}. */
-  constructor(mesh: MeshInput, options: SimplifyOptions) {
-    checkNames(options, SIMPLIFY_NAMES);
+  constructor(mesh: MeshInput, options: MeshSimplifyOptions) {
+    checkNames(options, MESH_SIMPLIFY_NAMES);
     this.#run = new MeshRun(mesh, options, true);
     try {
       runToEnd((work) => this.#run.step(work), this.#run.limit);
@@ -102,10 +103,11 @@ class MeshRun {
   readonly #model: EngineObject<Model>;
   readonly #attributes: readonly EngineAttribute[];
 
-  constructor(mesh: MeshInput, options: SimplifyOptions & RunOptions, everyLevel: boolean) {
+  constructor(mesh: MeshInput, options: MeshSimplifyOptions & RunOptions, everyLevel: boolean) {
     const { positions, indices } = checkMesh(mesh);
     // Everything about the options that needs no diagonal is said before the arrays are copied.
     resolveRequest(options, { triangles: 0, diagonal: 0 });
+    checkProtection(options, positions.length / 3);
     this.#attributes = attributesForEngine(mesh);
     const description = this.#attributes.map(({ name, components, blend }) => ({ name, components, blend }));
     this.#model = new EngineObject('mesh', (engine) =>
@@ -120,6 +122,10 @@ class MeshRun {
       this.scale = JSON.parse(this.#model.call((model) => model.summary())) as Scale;
       this.request = { ...resolveRequest(options, this.scale), everyLevel };
       this.limit = { milliseconds: options.timeBudget, stop: () => this.#model.call((model) => model.stopSimplify()) };
+      const { weights, locked } = options;
+      if (weights !== undefined || locked !== undefined) {
+        this.#model.call((model) => model.setProtection(weights ?? new Float32Array(), locked ?? new Uint8Array()));
+      }
       this.#model.call((model) => model.beginSimplify(JSON.stringify(this.request)));
     } catch (error) {
       this.dispose();
@@ -133,13 +139,14 @@ class MeshRun {
 
   level({ triangles, error }: { triangles?: number; error?: number }): SimplifiedMesh {
     return this.#model.call((model) => {
-      const { estimatedError, stopReason } = JSON.parse(model.selectLevel(triangles, error)) as LevelSummary;
+      const { estimatedError, stopReason, blockers } = JSON.parse(model.selectLevel(triangles, error)) as LevelSummary;
       return {
         positions: model.levelPositions(0),
         indices: model.levelIndices(0),
         attributes: attributesFromEngine(this.#attributes, (index) => model.levelAttribute(0, index)),
         estimatedError,
         stopReason,
+        blockers,
         vertexMap: model.levelWedgeMap(),
       };
     });

@@ -84,6 +84,31 @@ export interface DocumentSummary {
   readonly warnings: readonly Warning[];
 }
 
+/**
+ * How many of the edges that are left when a run ends are blocked by what. Each edge counts once, for the first reason
+ * in the order of the sweep: what its ends lie on, the error, the topology, the flip test.
+ */
+export interface Blockers {
+  /** Between vertices on seams of texture coordinates, colours, skins or materials, but not along one seam. */
+  readonly seam: number;
+  /** At a vertex where seams meet, end or reach a border. */
+  readonly corner: number;
+  /** Between vertices on open borders, but not along the border. */
+  readonly border: number;
+  /** Where more than two faces meet in an edge, or several sheets in a point. */
+  readonly nonManifold: number;
+  /** At a vertex that may not move. */
+  readonly locked: number;
+  /** The surface would hang together in another way, or a part of it would vanish. */
+  readonly topology: number;
+  /** A triangle would turn over or become degenerate. */
+  readonly flip: number;
+  /** The estimated error would exceed the limit. */
+  readonly error: number;
+  /** Nothing stands against the edge by itself. */
+  readonly other: number;
+}
+
 /** A selected level of detail. */
 export interface LevelSummary {
   readonly triangles: number;
@@ -91,6 +116,8 @@ export interface LevelSummary {
   /** Estimated deviation from the original in model units; 0 at full detail. Not measured. */
   readonly estimatedError: number;
   readonly stopReason: StopReason;
+  /** What blocks the edges that are left, at the last level of a run that ended for `'error'` or `'constraints'`. */
+  readonly blockers: Blockers | null;
 }
 
 /** Where to stop; of several targets, the first that is reached. */
@@ -143,6 +170,29 @@ export interface SimplifyOptions extends Targets {
    * while a large mesh is made ready; the same budget gives another result on another machine. Default: no limit.
    */
   readonly timeBudget?: number | undefined;
+  /**
+   * Vertices of separate parts of a mesh that are nearer than this may merge although no edge joins them: a number ≥ 0
+   * in model units, or `'0.1%'` of the bounding box's diagonal. 0 (default) keeps separate what is. Where parts have
+   * merged, more than two faces may meet in an edge.
+   */
+  readonly mergeDistance?: number | `${number}%` | undefined;
+  /**
+   * Most bytes the engine may take for the run beside the mesh, a number ≥ 0. What the run will take is estimated before
+   * it starts, from above; more is the error `too-large`, which names both figures. Default: what WebAssembly can have.
+   */
+  readonly memoryLimit?: number | undefined;
+}
+
+/** How to simplify bare arrays. */
+export interface MeshSimplifyOptions extends SimplifyOptions {
+  /**
+   * How dear collapses are at each vertex: a finite number ≥ 0 multiplies their cost by 1 + weight, so that they come
+   * later. 0 is neutral, 10 protects, 1e6 is the most there is and gives way only when nothing else is left. Positions
+   * and the estimated error are not weighted. What changes nothing, as in a flat place, goes all the same.
+   */
+  readonly weights?: Float32Array | undefined;
+  /** For each vertex whether it stays: where it is not 0 the vertex neither moves nor vanishes. */
+  readonly locked?: Uint8Array | undefined;
 }
 
 /** How to simplify a document, whose levels can be asked for afterwards. */
@@ -157,6 +207,13 @@ export interface DocumentSimplifyOptions extends SimplifyOptions {
    * an earlier run it has no effect. Default false.
    */
   readonly keepLevels?: boolean | undefined;
+  /**
+   * The vertex attribute that has the weights of {@link MeshSimplifyOptions}, by the file's name for it, with a component
+   * or else the first: `'_WEIGHT'`, `'COLOR_0.g'`. Vertices without it weigh 0. Default: nothing is weighted.
+   */
+  readonly weightAttribute?: string | undefined;
+  /** Multiplies the weights of `weightAttribute`, a number ≥ 0: colours go from 0 to 1. Default 1. */
+  readonly weightScale?: number | undefined;
 }
 
 /** What may accompany a run that takes time. */
@@ -293,6 +350,8 @@ export interface SimplifiedMesh {
   /** Estimated deviation from the original in the units of the positions. Not measured. */
   readonly estimatedError: number;
   readonly stopReason: StopReason;
+  /** As in {@link LevelSummary}. */
+  readonly blockers: Blockers | null;
   /** For each vertex, the vertex of the input that it came from. */
   readonly vertexMap: Uint32Array;
 }

@@ -26,6 +26,48 @@ impl StopReason {
     }
 }
 
+/// How many of the edges that are left when a run ends are blocked by what; each edge counts once.
+///
+/// An edge belongs to the first reason that stands against it, in the order of the sweep: the kinds of its ends and
+/// their lines, the error, the link condition, the flip test.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Blockers {
+    /// Between two vertices on seams (of texture coordinates, colours, skins or materials), but not along one seam.
+    pub seam: usize,
+    /// At a vertex where seams meet, end or reach a border: one of them would tear.
+    pub corner: usize,
+    /// Between two vertices on open borders, but not along the border.
+    pub border: usize,
+    /// At a vertex where more than two triangles meet in an edge, or several fans in a point.
+    pub non_manifold: usize,
+    /// At a vertex that may not move.
+    pub locked: usize,
+    /// The link condition: the surface would be connected in another way, or a part would vanish.
+    pub topology: usize,
+    /// A triangle would turn over or become degenerate, wherever the merged vertex were put.
+    pub flip: usize,
+    /// The estimated error would exceed the limit.
+    pub error: usize,
+    /// Nothing stands against the edge by itself.
+    pub other: usize,
+}
+
+impl Blockers {
+    /// All edges that were counted.
+    #[must_use]
+    pub fn total(&self) -> usize {
+        self.seam
+            + self.corner
+            + self.border
+            + self.non_manifold
+            + self.locked
+            + self.topology
+            + self.flip
+            + self.error
+            + self.other
+    }
+}
+
 /// One edge collapse: vertex `from` goes into vertex `into`, which moves to `position`.
 /// Vertices are named by the wedge that the weld chose to represent them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +98,9 @@ pub struct CollapseSequence {
     pub initial_triangle_count: usize,
     /// Why the run ended.
     pub stop_reason: StopReason,
+    /// What blocks the edges that are left, if it ended for [`StopReason::Constraints`] or [`StopReason::Error`]; else
+    /// nothing is counted.
+    pub blockers: Blockers,
     /// Positions at the last level of vertices that were fitted to the original after the last
     /// collapse, named as in [`Collapse`]; often empty.
     pub fitted: Vec<(u32, [f32; 3])>,

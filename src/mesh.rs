@@ -145,6 +145,55 @@ impl Mesh {
         Ok(())
     }
 
+    /// Bytes of all positions, attributes and triangles.
+    #[must_use]
+    pub fn byte_count(&self) -> u64 {
+        let values: usize = self.wedge_sets.iter().flat_map(|set| &set.attributes).map(|a| a.values.len()).sum();
+        (size_of_val(self.positions.as_slice()) + size_of_val(self.triangles.as_slice()) + 4 * values) as u64
+    }
+
+    /// One component of an attribute for each wedge, 0 where a wedge has none: `name` is the attribute's, or the name
+    /// and a component, `COLOR_0.g` (of x y z w or r g b a); without one the first.
+    ///
+    /// # Errors
+    /// `invalid-argument` if no wedge set has it; the message lists what there is.
+    pub fn channel(&self, name: &str) -> Result<Vec<f32>, Error> {
+        let has = |name: &str| self.wedge_sets.iter().flat_map(|set| &set.attributes).any(|a| a.name == name);
+        let (base, component) = match name.rsplit_once('.') {
+            Some((base, letter)) if !has(name) => {
+                (base, ["xr", "yg", "zb", "wa"].iter().position(|two| letter.len() == 1 && two.contains(letter)))
+            }
+            _ => (name, Some(0)),
+        };
+        let mut values = vec![0.0; self.positions.len()];
+        let mut found = false;
+        for set in &self.wedge_sets {
+            for attribute in set.attributes.iter().filter(|a| a.name == base) {
+                if let Some(component) = component.filter(|&c| c < attribute.components) {
+                    found = true;
+                    for (value, of) in
+                        values[set.wedges.clone()].iter_mut().zip(attribute.values.chunks(attribute.components))
+                    {
+                        *value = of[component];
+                    }
+                }
+            }
+        }
+        if found {
+            return Ok(values);
+        }
+        let mut names: Vec<&str> =
+            self.wedge_sets.iter().flat_map(|set| &set.attributes).map(|a| a.name.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        let known = if names.is_empty() { "nothing".into() } else { names.join(", ") };
+        Err(Error::new(
+            ErrorCode::InvalidArgument,
+            "weightAttribute",
+            format!("no vertex has '{name}'; there is {known}"),
+        ))
+    }
+
     /// Length of the bounding box's diagonal over the referenced wedges, parts scaled to world
     /// units; the unit of relative errors. 0 for an empty mesh.
     #[must_use]

@@ -11,30 +11,38 @@
 //! volume constraint. Sweeping in spatial order and not strictly by cost is as good on the average
 //! and several times faster, because memory is touched in order.
 
+mod blockers;
 mod collapse;
 mod edges;
 mod fit;
 mod lanes;
 mod legality;
+mod memory;
+mod pairs;
 mod placement;
 mod polylines;
 mod prepare;
+mod protection;
 mod prune;
 mod quadric;
 mod record;
+mod sheets;
 mod space;
 mod topology;
 mod vertex_kind;
 
-use crate::collapse_sequence::{Collapse, CollapseSequence, StopReason};
+use crate::collapse_sequence::{Blockers, Collapse, CollapseSequence, StopReason};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
 use collapse::Patch;
 use edges::Edges;
 use fit::Fit;
 use legality::Refusal;
+pub use memory::estimate_bytes;
+use pairs::Pairs;
 use polylines::Polylines;
 use prepare::{Preparation, Welded};
+use protection::Protection;
 use record::Record;
 use space::Space;
 use topology::Topology;
@@ -50,6 +58,9 @@ const OCTAVES_FOR_LEVELS: i32 = 1;
 
 /// How many of a vertex's cheapest edges are tried before it waits for a higher threshold.
 const TRIES: usize = 3;
+
+/// The same when nothing else is left to do: of the many edges at a vertex of a tangle few are legal.
+const TRIES_AT_LAST: usize = 16;
 
 /// Where merged vertices may be put.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -112,10 +123,20 @@ pub struct SimplifyOptions {
     pub prune: bool,
     /// Vertices on open borders neither move nor vanish. Default off.
     pub lock_border: bool,
+    /// Vertices of separate components of one part that are nearer than this, in world units, may merge too, although no
+    /// edge joins them; ≥ 0 and finite. The result is no manifold there. Default 0: none.
+    pub merge_distance: f32,
+    /// For each wedge a number ≥ 0: a collapse at its vertex counts 1 + weight times as dear, so that it comes later. 0
+    /// is neutral, 1e6 is the most there is. What costs nothing goes all the same; see `locked`. Empty: all 0. Default.
+    pub weights: Vec<f32>,
+    /// For each wedge whether its vertex neither moves nor vanishes. Empty: none. Default.
+    pub locked: Vec<bool>,
     /// Default optimal.
     pub placement: PlacementRule,
     /// Default balanced.
     pub preset: Preset,
+    /// Most bytes that the run may take beside the mesh itself, as estimated by [`estimate_bytes`]. Default: no limit.
+    pub memory_limit: u64,
     /// The record is to be read at any level and not just at its end: sweeps are finer, the record
     /// is in the order of the error, and nothing is fitted. Default off.
     pub every_level: bool,
@@ -128,8 +149,12 @@ impl Default for SimplifyOptions {
             max_error: f32::INFINITY,
             prune: false,
             lock_border: false,
+            merge_distance: 0.0,
+            weights: Vec::new(),
+            locked: Vec::new(),
             placement: PlacementRule::Optimal,
             preset: Preset::Balanced,
+            memory_limit: u64::MAX,
             every_level: false,
         }
     }
@@ -162,6 +187,8 @@ enum Stage {
     Fans,
     Rings(usize),
     Sweep,
+    /// After a sweep that did not reach its target: the next vertex whose edges are looked at.
+    Blockers(usize),
     Fit,
     Done,
 }
@@ -189,7 +216,16 @@ pub struct Simplifier {
     blocked_by_error: bool,
     /// Nothing is left to do but what the surface's topology forbids, where there is no surface.
     last_resort: bool,
+    /// When that is done too, how many edges of more than two triangles may be made until there are as many as there
+    /// were at the start.
+    spare_sheet_edges: Option<i64>,
+    /// Triangles when the last resort was begun.
+    last_resort_from: usize,
     pruned_count: usize,
+    protection: Protection,
+    pairs: Pairs,
+    /// A pair that no edge joins is being merged.
+    pairing: bool,
     edges: Edges,
     patch: Box<Patch>,
     initial_triangle_count: usize,
@@ -197,18 +233,30 @@ pub struct Simplifier {
     fitted: bool,
     record: Record,
     stop_reason: StopReason,
+    blockers: Blockers,
 }
 
 impl Simplifier {
     /// Checks the mesh and the options; the work is left to [`Simplifier::step`].
     ///
     /// # Errors
-    /// As [`Mesh::validate`], and `invalid-argument` for a negative or NaN error.
+    /// As [`Mesh::validate`], and `invalid-argument` for a negative or NaN error, for weights or locks of another number
+    /// than the wedges', and for negative weights; `not-finite` for weights that are not; `too-large` above the memory
+    /// limit.
     pub fn new(mesh: &Mesh, options: &SimplifyOptions) -> Result<Self, Error> {
         mesh.validate()?;
         if options.max_error.is_nan() || options.max_error < 0.0 {
             return Err(Error::new(ErrorCode::InvalidArgument, "error", "must not be negative"));
         }
+        if !(options.merge_distance.is_finite() && options.merge_distance >= 0.0) {
+            return Err(Error::new(
+                ErrorCode::InvalidArgument,
+                "mergeDistance",
+                "must be a finite number of at least 0",
+            ));
+        }
+        protection::check(mesh, options)?;
+        memory::check(mesh, options)?;
         Ok(Self {
             options: options.clone(),
             stage: Stage::Weld,
@@ -228,7 +276,12 @@ impl Simplifier {
             max_error_squared: f32::INFINITY,
             blocked_by_error: false,
             last_resort: false,
+            spare_sheet_edges: None,
+            last_resort_from: 0,
             pruned_count: 0,
+            protection: Protection::default(),
+            pairs: Pairs::default(),
+            pairing: false,
             edges: Edges::default(),
             patch: Box::default(),
             initial_triangle_count: 0,
@@ -236,6 +289,7 @@ impl Simplifier {
             fitted: false,
             record: Record::default(),
             stop_reason: StopReason::Constraints,
+            blockers: Blockers::default(),
         })
     }
 
@@ -263,10 +317,25 @@ impl Simplifier {
                 let Self { preparation, topology, polylines, keys, options, .. } = self;
                 preparation.build_rings(range, topology, polylines, keys, options.lock_border);
                 if self.stage == Stage::Sweep {
-                    self.preparation = Preparation::default();
+                    self.begin_sweep();
                 }
             }
             Stage::Sweep => self.sweep(mesh, work),
+            Stage::Blockers(first) => {
+                let count = self.topology.vertices.len();
+                let (mut next, mut left) = (first, work.max(1));
+                while next < count && left > 0 {
+                    // Vertices that are gone are stepped over in no time.
+                    let range = next..count.min(next + 64);
+                    next = range.end;
+                    left = left.saturating_sub(1 + self.count_blockers(range));
+                }
+                if next == count {
+                    self.begin_fit_or_end(mesh);
+                } else {
+                    self.stage = Stage::Blockers(next);
+                }
+            }
             Stage::Fit => {
                 let mut fit = self.fit.take();
                 if fit.as_mut().is_none_or(|fit| self.step_fit(mesh, fit, work)) {
@@ -295,6 +364,13 @@ impl Simplifier {
                 let share = if self.fits() { 0.6 } else { 0.699 };
                 0.3 + share * (gone as f32 / wanted as f32).min(1.0)
             }
+            Stage::Blockers(_) => {
+                if self.fits() {
+                    0.905
+                } else {
+                    0.9995
+                }
+            }
             Stage::Fit => {
                 let rounds = self.tuning().fit_rounds;
                 0.91 + 0.089 * self.fit.as_ref().map_or(0.0, |fit| fit.fraction(rounds))
@@ -314,15 +390,18 @@ impl Simplifier {
             self.initial_triangle_count = mesh.triangles.len();
             self.record = Record::new(self.initial_triangle_count, 0, 0, false);
         }
-        if self.stage < Stage::Fit {
+        if self.stage < Stage::Blockers(0) {
             self.stop_reason = StopReason::Time;
+        } else if self.stage < Stage::Fit {
+            // Half a count would mislead.
+            self.blockers = Blockers::default();
         }
         self.stage = Stage::Done;
     }
 
     /// The recorded history; if the run is not over, of what was done so far.
     #[must_use]
-    pub fn finish(self) -> CollapseSequence {
+    pub fn finish(mut self) -> CollapseSequence {
         let vertices = &self.topology.vertices;
         let fitted: Vec<(u32, [f32; 3])> = (0..if self.fitted { vertices.len() } else { 0 })
             .filter(|&v| vertices[v].ring_length() > 0 && vertices[v].moved)
@@ -331,7 +410,10 @@ impl Simplifier {
                 (self.wedge_of_vertex[v], space.to_local(self.topology.vertices[v].position()))
             })
             .collect();
-        self.record.finish(self.vertex_of_wedge, self.initial_triangle_count, self.stop_reason, fitted)
+        // Putting the record in order takes as much again: what is done with goes first.
+        (self.topology, self.polylines) = (Topology::default(), Polylines::default());
+        (self.keys, self.live, self.ready, self.again) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        self.record.finish(self.vertex_of_wedge, self.initial_triangle_count, (self.stop_reason, self.blockers), fitted)
     }
 
     /// How many parts of the surface have vanished; 0 without [`SimplifyOptions::prune`].
@@ -361,6 +443,18 @@ impl Simplifier {
         self.patch.set_starts = mesh.wedge_sets.iter().map(|set| set.wedges.start as u32).collect();
         let vertex_count = self.wedge_of_vertex.len();
         self.keys = vec![f32::INFINITY; vertex_count];
+        self.record = Record::new(self.initial_triangle_count, 0, 0, false);
+    }
+
+    /// When the rings are there, what they were made from goes, and only then comes what the sweep needs.
+    fn begin_sweep(&mut self) {
+        self.preparation = Preparation::default();
+        self.protect();
+        if let (true, Some(space)) = (self.options.merge_distance > 0.0, self.spaces.first()) {
+            let distance = f64::from(self.options.merge_distance) / space.world_per_engine;
+            self.find_pairs((distance as f32).max(f32::MIN_POSITIVE));
+        }
+        let vertex_count = self.wedge_of_vertex.len();
         self.live = (0..vertex_count as u32).collect();
         let wanted = self.initial_triangle_count.saturating_sub(self.options.target_triangle_count);
         self.record = Record::new(
@@ -394,7 +488,7 @@ impl Simplifier {
             }
             if self.ready_next == self.ready.len() {
                 let cost = self.live.len() / 16;
-                if !self.raise_threshold() && !self.begin_last_resort() {
+                if !self.raise_threshold() && !self.begin_last_resort(mesh) {
                     let reason = if self.blocked_by_error { StopReason::Error } else { StopReason::Constraints };
                     self.complete(mesh, reason);
                     return;
@@ -412,12 +506,19 @@ impl Simplifier {
     }
 
     /// When nothing else is left to do, gives the vertices that no surface goes through, and their
-    /// neighbours, another chance; false if there is none.
-    fn begin_last_resort(&mut self) -> bool {
-        if self.last_resort {
+    /// neighbours, another chance; false if there is none. First no edge may become one of more than two triangles; then
+    /// one may as long as there are no more of them than at the start, as often as that leads anywhere.
+    fn begin_last_resort(&mut self, mesh: &Mesh) -> bool {
+        let count = self.topology.live_triangle_count;
+        if self.spare_sheet_edges.is_some() && count + count / 16 >= self.last_resort_from {
             return false;
         }
+        if self.last_resort && self.spare_sheet_edges.is_none() {
+            let before = sheets::edges_of_mesh(mesh, &self.vertex_of_wedge);
+            self.spare_sheet_edges = Some(before as i64 - sheets::edges_of_rings(&self.topology) as i64);
+        }
         self.last_resort = true;
+        self.last_resort_from = count;
         self.threshold = 0.0;
         let Self { topology, keys, live, .. } = self;
         live.clear();
@@ -431,12 +532,22 @@ impl Simplifier {
         !live.is_empty()
     }
 
-    /// Ends the sweep; a fit of what is left may follow.
+    /// Ends the sweep; a fit of what is left may follow, and before it a look at what blocks that.
     fn complete(&mut self, mesh: &Mesh, reason: StopReason) {
         self.stop_reason = reason;
+        if reason == StopReason::Target {
+            self.begin_fit_or_end(mesh);
+        } else {
+            self.stage = Stage::Blockers(0);
+        }
+    }
+
+    fn begin_fit_or_end(&mut self, mesh: &Mesh) {
         let tuning = self.tuning();
         let dense = self.topology.live_triangle_count * tuning.fit_above > self.initial_triangle_count;
         if self.fits() && !dense && self.topology.live_triangle_count < self.initial_triangle_count {
+            // Its samples need the room.
+            (self.keys, self.live, self.ready, self.again) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
             self.fit = Some(self.begin_fit(mesh, tuning));
             self.stage = Stage::Fit;
         } else {
@@ -499,20 +610,45 @@ impl Simplifier {
             return self.visit_last_of_part(mesh, v);
         }
         self.edges.gather(&self.topology, &self.polylines, self.options.placement, self.last_resort, v);
+        if !self.pairs.is_empty() {
+            let Self { edges, topology, polylines, pairs, options, .. } = self;
+            let others = pairs.of(topology, v);
+            if !others.is_empty() {
+                edges.list(topology, polylines, options.placement, self.last_resort, v);
+                edges.add_pairs(topology, options.placement, &others);
+            }
+        }
+        if !self.protection.is_empty() {
+            let Self { edges, topology, protection, .. } = self;
+            edges.weigh(topology, |w| protection.factor(v, w));
+        }
         let mut refused = false;
         let mut key = f32::INFINITY;
-        for tries in 0..=TRIES {
+        let most_tries = if self.spare_sheet_edges.is_some() { TRIES_AT_LAST } else { TRIES };
+        for tries in 0..=most_tries {
             let Some((index, edge)) = self.edges.cheapest(&self.topology) else { break };
             let cost = edge.placement.cost;
-            if cost > self.threshold || tries == TRIES {
+            if cost > self.threshold || tries == most_tries {
                 key = cost;
                 break;
             }
             let (into, from) =
                 if edge.freedom == Freedom::AtSecond { (edge.neighbour, v) } else { (v, edge.neighbour) };
-            match self.try_collapse(from, into, edge.placement) {
+            let is_pair = !self.pairs.is_empty() && !self.topology.ring(v).contains(&edge.neighbour);
+            let done = if is_pair {
+                self.try_pair(from, into, edge.placement)
+            } else {
+                self.try_collapse(from, into, edge.placement)
+            };
+            match done {
                 Ok(()) => {
                     self.record_collapse(mesh, from, into);
+                    if !self.protection.is_empty() {
+                        self.protection.merge(from, into);
+                    }
+                    if !self.pairs.is_empty() {
+                        self.pairs.merge(from, into);
+                    }
                     self.keys[from as usize] = f32::INFINITY;
                     if cost * 4.0 < self.threshold {
                         self.keys[into as usize] = self.threshold;

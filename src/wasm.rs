@@ -11,7 +11,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use wasm_bindgen::prelude::*;
 
-use crate::collapse_sequence::CollapseSequence;
+use crate::collapse_sequence::{Blockers, CollapseSequence};
 use crate::deviation::{Deviation, DeviationMeter, DeviationOptions, SideDeviation};
 use crate::document::{Document, Format, NamedFile};
 use crate::error::{Error, ErrorCode, Warning};
@@ -87,6 +87,13 @@ struct SimplifyRequest {
     every_level: bool,
     keep_levels: bool,
     index_levels: bool,
+    /// Name of an attribute, as [`Mesh::channel`] takes it.
+    weight_attribute: Option<String>,
+    weight_scale: Option<f32>,
+    /// World units.
+    merge_distance: f32,
+    /// Bytes.
+    memory_limit: Option<f64>,
 }
 
 impl SimplifyRequest {
@@ -129,7 +136,22 @@ impl SimplifyRequest {
             Some("best") => Preset::Best,
             Some(_) => return invalid("preset", "must be 'fast', 'balanced' or 'best'"),
         };
+        let mut weights = match &self.weight_attribute {
+            Some(name) => mesh.channel(name)?,
+            None => Vec::new(),
+        };
+        let scale = self.weight_scale.unwrap_or(1.0);
+        if !(scale.is_finite() && scale >= 0.0) {
+            return invalid("weightScale", "must be a finite number of at least 0");
+        }
+        weights.iter_mut().for_each(|weight| *weight *= scale);
+        // What the model itself takes is there already. A sixteenth is left for results and what no count explains.
+        let most = (u64::from(u32::MAX) / 16 * 15).saturating_sub(mesh.byte_count());
         Ok(SimplifyOptions {
+            merge_distance: self.merge_distance,
+            memory_limit: self.memory_limit.map_or(most, |limit| most.min(limit as u64)),
+            weights,
+            locked: Vec::new(),
             target_triangle_count: target as usize,
             max_error: max_error as f32,
             lock_border: self.lock_border,
@@ -198,6 +220,29 @@ struct LevelSummary<'a> {
     vertices: usize,
     estimated_error: f32,
     stop_reason: &'a str,
+    /// What blocks the edges that are left; only at the end of a run that did not reach its target.
+    blockers: Option<BlockersSummary>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct BlockersSummary {
+    seam: usize,
+    corner: usize,
+    border: usize,
+    non_manifold: usize,
+    locked: usize,
+    topology: usize,
+    flip: usize,
+    error: usize,
+    other: usize,
+}
+
+impl From<Blockers> for BlockersSummary {
+    fn from(blockers: Blockers) -> Self {
+        let Blockers { seam, corner, border, non_manifold, locked, topology, flip, error, other } = blockers;
+        Self { seam, corner, border, non_manifold, locked, topology, flip, error, other }
+    }
 }
 
 #[derive(Serialize)]
@@ -277,6 +322,9 @@ struct Recorded {
 #[wasm_bindgen]
 pub struct Model {
     source: Source,
+    /// For the next run: a number for each wedge, or nothing.
+    weights: Vec<f32>,
+    locked: Vec<u8>,
     running: Option<Run>,
     record: Option<Recorded>,
     /// The result of a run that kept the record, until a level of it is selected.
@@ -389,11 +437,21 @@ impl Model {
         to_json(&summary)
     }
 
+    /// Weights and locks for the run that is begun next, a number for each vertex each; empty: none.
+    #[wasm_bindgen(js_name = setProtection)]
+    pub fn set_protection(&mut self, weights: Vec<f32>, locked: Vec<u8>) {
+        (self.weights, self.locked) = (weights, locked);
+    }
+
     /// Starts a simplification; an earlier sequence stays until this one is done.
     #[wasm_bindgen(js_name = beginSimplify)]
     pub fn begin_simplify(&mut self, options: &str) -> Result<(), JsValue> {
         let request: SimplifyRequest = parse(options, "options")?;
-        let options = request.options(self.mesh()).map_err(thrown)?;
+        let mut options = request.options(self.mesh()).map_err(thrown)?;
+        if !self.weights.is_empty() {
+            options.weights = std::mem::take(&mut self.weights);
+        }
+        options.locked = std::mem::take(&mut self.locked).into_iter().map(|locked| locked != 0).collect();
         let simplifier = Simplifier::new(self.mesh(), &options).map_err(thrown)?;
         let SimplifyRequest { keep_levels, index_levels, .. } = request;
         let max_error = options.max_error;
@@ -584,7 +642,16 @@ impl Model {
 
 impl Model {
     fn new(source: Source) -> Self {
-        Self { source, running: None, record: None, result: None, level: None, measuring: None }
+        Self {
+            source,
+            weights: Vec::new(),
+            locked: Vec::new(),
+            running: None,
+            record: None,
+            result: None,
+            level: None,
+            measuring: None,
+        }
     }
 
     fn mesh(&self) -> &Mesh {
@@ -693,11 +760,13 @@ fn extract_level<'a>(
         (false, true) => "error",
         (false, false) => sequence.stop_reason.as_str(),
     };
+    let stuck = last && stop_reason != "target" && sequence.blockers.total() > 0;
     let summary = LevelSummary {
         triangles: level.triangles.len(),
         vertices: level.positions.len(),
         estimated_error,
         stop_reason,
+        blockers: stuck.then(|| sequence.blockers.into()),
     };
     (extracted, summary)
 }

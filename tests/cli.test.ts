@@ -51,6 +51,7 @@ describe('one file', () => {
       input: { path: input, format: 'glb', bytes: model().length, triangles: TRIANGLES, vertices: (SIZE + 1) ** 2, meshes: 1 },
       output: { path: at('out.glb'), format: 'glb', bytes, triangles: expect.any(Number), vertices: expect.any(Number), meshes: 1 },
       stopReason: 'target',
+      blockers: null,
       estimatedError: expect.any(Number),
       deviation: null,
       timings: { read: expect.any(Number), simplify: expect.any(Number), write: expect.any(Number), measure: 0 },
@@ -125,6 +126,19 @@ describe('one file', () => {
     expect(await stopReason('-r', '0', '-e', '0.1%')).toBe('error');
     // One triangle always stays.
     expect(await stopReason('-t', '0')).toBe('constraints');
+  });
+
+  it('says what blocks the edges that are left', async () => {
+    const { at, input } = workspace();
+    const { stdout } = await decimesh(input, '-t', '0', '--lock-border', '--json');
+    const { stopReason, blockers, output } = JSON.parse(stdout) as Report;
+    expect(stopReason).toBe('constraints');
+    // Edges of a disc with as many border edges as the plate had.
+    const edges = (3 * output.triangles + 4 * SIZE) / 2;
+    expect(Object.values(blockers ?? {}).reduce<number>((sum, count) => sum + (count as number), 0)).toBe(edges);
+    expect(blockers?.locked).toBeGreaterThan(edges / 2);
+    const told = await decimesh(input, '-t', '0', '--lock-border', '-o', at('out.glb'));
+    expect(told.stdout).toMatch(/no fewer without damage \(.*of the remaining edges are locked\)/);
   });
 
   it('works by the preset', async () => {

@@ -463,5 +463,5 @@ it('has an error class with a stable shape', () => {
 it('summarises a level', async () => {
   using document = await openDocument(readFileSync(new URL('fixtures/gltf/cubevc.glb', import.meta.url)));
   const level: LevelSummary = await document.simplify({ ratio: 0.5 });
-  expect(Object.keys(level).sort()).toEqual(['estimatedError', 'stopReason', 'triangles', 'vertices']);
+  expect(Object.keys(level).sort()).toEqual(['blockers', 'estimatedError', 'stopReason', 'triangles', 'vertices']);
 });

@@ -177,7 +177,7 @@ describe('a time budget', () => {
     expect(sequence.level({ triangles: 10 })).toMatchObject({ stopReason: 'time' });
     using document = await openDocument(file());
     expect(await document.simplify({ error: '5%', timeBudget: 0 })).toEqual({
-      triangles: TRIANGLES, vertices: (SIZE + 1) ** 2, estimatedError: 0, stopReason: 'time',
+      triangles: TRIANGLES, vertices: (SIZE + 1) ** 2, estimatedError: 0, stopReason: 'time', blockers: null,
     });
     expect((await document.write()).report).toMatchObject({ stopReason: 'time', output: { triangles: TRIANGLES } });
     // Nothing is missing at full detail.

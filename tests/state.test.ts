@@ -194,6 +194,8 @@ describe('status', () => {
     expect(transitions.statusText(recording)).toBe('Simplifying vase…');
     expect(transitions.statusText(transitions.historyReady(opened(), 4))).toBe('Drawing vase…');
     expect(transitions.statusText(ready())).toBe('Ready. 1,000 triangles.');
+    const stuck = transitions.historyReady(transitions.modelDrawn(opened()), 1000, 'all of the remaining edges are locked');
+    expect(transitions.statusText(stuck)).toBe('Ready. 1,000 triangles. No fewer are possible: all of the remaining edges are locked.');
     const moved = transitions.targetMoved(ready(), 11, 1);
     expect(transitions.statusText(moved)).toBe('Going to 11 triangles…');
     const shown = transitions.levelShown(moved, { triangles: 10, vertices: 7, estimatedError: 0.1 }, 11);

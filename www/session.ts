@@ -1,5 +1,6 @@
 // The conversation with the worker: opens files, records the history, and keeps what is shown in step with what is
 // wanted. Only the latest wish counts: one request is under way, and what was asked for meanwhile is read when it ends.
+import { describeBlockers } from 'decimesh/worker';
 import type { DocumentProxy, WorkerClient } from 'decimesh/worker';
 import { baseName, decodePath, fetchFile, modelFile } from './files.ts';
 import { formatShare } from './format.ts';
@@ -267,7 +268,8 @@ export class Session {
       });
       const fewest = await open.document.level({ triangles: 1 });
       recording.signal.throwIfAborted();
-      update((state) => transitions.historyReady(state, fewest.triangles));
+      const limit = fewest.blockers === null ? '' : describeBlockers(fewest.blockers);
+      update((state) => transitions.historyReady(state, fewest.triangles, limit));
       open.reopened = false;
     } catch (error) {
       if (recording.signal.aborted) {

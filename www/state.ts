@@ -54,7 +54,7 @@ export interface Level {
 export type History =
   | { readonly kind: 'none' }
   | { readonly kind: 'recording'; readonly fraction: number }
-  | { readonly kind: 'ready'; readonly fewestTriangles: number };
+  | { readonly kind: 'ready'; readonly fewestTriangles: number; /** Why there are no fewer, as part of a sentence; may be empty. */ readonly limit: string };
 
 /** Measured distances between the level and the original, in model units, both ways together. */
 export interface Deviation {
@@ -223,11 +223,11 @@ export const recordingEnded = (state: State, remark: string): State => ({
   remark,
 });
 
-/** Levels down to `fewestTriangles` can be had; a wish for fewer becomes that. */
-export const historyReady = (state: State, fewestTriangles: number): State =>
+/** Levels down to `fewestTriangles` can be had, and no fewer because of `limit`; a wish for fewer becomes that. */
+export const historyReady = (state: State, fewestTriangles: number, limit = ''): State =>
   withModel({ ...state, remark: '' }, (model) => ({
     ...withWish(model, clamp(model.wantedTriangles, fewestTriangles, model.source.triangles)),
-    history: { kind: 'ready', fewestTriangles },
+    history: { kind: 'ready', fewestTriangles, limit },
   }));
 
 /** The level that answers the wish for `shownFor` triangles is on screen. */
@@ -354,9 +354,11 @@ export const statusText = (state: State): string => {
   if (state.remark !== '') return state.remark;
   if (!model.drawn) return `Drawing ${model.name}…`;
   if (model.history.kind === 'none') return `${model.name} is open.`;
+  const { fewestTriangles, limit } = model.history;
+  const why = limit !== '' && model.wantedTriangles === fewestTriangles ? ` No fewer are possible: ${limit}.` : '';
   return model.shown.triangles === model.source.triangles
-    ? `Ready. ${count(model.source.triangles)} triangles.`
-    : `Ready. Showing ${count(model.shown.triangles)} of ${count(model.source.triangles)} triangles.`;
+    ? `Ready. ${count(model.source.triangles)} triangles.${why}`
+    : `Ready. Showing ${count(model.shown.triangles)} of ${count(model.source.triangles)} triangles.${why}`;
 };
 
 export const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);

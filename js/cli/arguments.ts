@@ -52,6 +52,9 @@ How:
   --placement RULE     optimal (default): new vertex positions; subset: only original ones
   --lock-border        open borders do not move
   --prune              parts that are down to a triangle may vanish
+  --merge-distance D   separate parts of a mesh nearer than this may merge; as --error, default 0
+  --weight-attribute A where the vertex attribute A is large fewer triangles go: _WEIGHT, COLOR_0.g
+  --weight-scale S     times this; a weight of 10 makes a collapse 11 times as dear
   --preset NAME        time against quality: fast, balanced (default) or best
   --time-budget MS     simplify for at most so many milliseconds; the result is what was done by then
 
@@ -81,6 +84,9 @@ const OPTIONS = {
   'time-budget': { type: 'string' },
   'lock-border': { type: 'boolean' },
   prune: { type: 'boolean' },
+  'merge-distance': { type: 'string' },
+  'weight-attribute': { type: 'string' },
+  'weight-scale': { type: 'string' },
   compress: { type: 'string' },
   quantize: { type: 'boolean' },
   measure: { type: 'boolean' },
@@ -145,17 +151,23 @@ function simplifyOptions(values: Values, lods: readonly number[] | undefined): D
   if (preset !== undefined && !isPreset(preset)) {
     throw usage('--preset', `must be ${PRESETS.join(', ')}, not '${preset}'`);
   }
+  if (values['weight-scale'] !== undefined && values['weight-attribute'] === undefined) {
+    throw usage('--weight-scale', 'needs --weight-attribute beside it');
+  }
   return {
     ratio: lods === undefined ? number('--ratio', ratio, 'a number from 0 to 1', (value) => value <= 1) : Math.min(...lods),
     // These look for their levels in the history.
     ...(lods === undefined && size === undefined ? {} : { everyLevel: true }),
     triangles: number('--triangles', triangles, 'an integer of at least 0', Number.isSafeInteger),
-    error: errorLimit(error),
+    error: lengthOf('--error', error),
     placement,
     preset,
     timeBudget: number('--time-budget', values['time-budget'], 'a number of milliseconds of at least 0', () => true),
     lockBorder: values['lock-border'],
     prune: values.prune,
+    mergeDistance: lengthOf('--merge-distance', values['merge-distance']),
+    weightAttribute: values['weight-attribute'],
+    weightScale: number('--weight-scale', values['weight-scale'], 'a number of at least 0', () => true),
   };
 }
 
@@ -169,9 +181,9 @@ function number(name: string, text: string | undefined, wanted: string, fits: (v
   return value;
 }
 
-function errorLimit(text: string | undefined): SimplifyOptions['error'] {
+function lengthOf(name: string, text: string | undefined): DocumentSimplifyOptions['error'] {
   const wanted = 'a number of at least 0, or a percentage such as 0.1%';
-  const value = number('--error', text?.replace(/%$/, ''), wanted, () => true);
+  const value = number(name, text?.replace(/%$/, ''), wanted, () => true);
   return text?.endsWith('%') ? `${value as number}%` : value;
 }
 

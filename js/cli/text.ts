@@ -1,6 +1,7 @@
 // What people read in the terminal: errors, warnings, progress and the line on each finished file.
 
 import { basename } from 'node:path';
+import { describeBlockers } from '../blockers.js';
 import { DecimeshError } from '../errors.js';
 import type { Report } from '../report.js';
 import type { StopReason, Warning } from '../types.js';
@@ -27,7 +28,7 @@ const STOPPED: Readonly<Record<StopReason, string>> = {
 
 /** What became of a file. */
 export function resultLine(
-  { input, output, stopReason, estimatedError, deviation, timings, lods }: Report,
+  { input, output, stopReason, blockers, estimatedError, deviation, timings, lods }: Report,
   diagonal: number,
 ): string {
   const count = (value: number): string => value.toLocaleString('en');
@@ -38,7 +39,8 @@ export function resultLine(
     deviation === null
       ? ''
       : `, measured deviation max ${shown(deviation.max)}, mean ${shown(deviation.mean)}, rms ${shown(deviation.rms)}`;
-  const stopped = stopReason === null ? '' : STOPPED[stopReason];
+  const blocked = stopReason === 'constraints' && blockers !== null ? ` (${describeBlockers(blockers)})` : '';
+  const stopped = stopReason === null ? '' : STOPPED[stopReason] + blocked;
   const triangles = lods?.map((level) => count(level.triangles)).join(', ') ?? count(output.triangles);
   const last = lods?.at(-1)?.path;
   return line([

@@ -15,14 +15,15 @@ import type {
   LevelTargets,
   MeasureOptions,
   MeshInput,
+  MeshSimplifyOptions,
   RunOptions,
   SimplifiedMesh,
-  SimplifyOptions,
   WriteOptions,
 } from '../types.js';
 import { startPort, type Port } from './port.js';
 import type { Answer, AnsweredRequest, AnswerTo, Reply, Request } from './protocol.js';
 
+export { describeBlockers } from '../blockers.js';
 export { DecimeshError } from '../errors.js';
 export { COMPRESSIONS, OUTPUT_FORMATS, holdsEncodings, usualFormat } from '../formats.js';
 export { PRESETS, isPreset } from '../options.js';
@@ -85,7 +86,7 @@ export class WorkerClient {
   }
 
   /** Simplifies bare arrays in the worker, as `simplify` does. They are copied to it; the result's are not. */
-  async simplify(mesh: MeshInput, options: SimplifyOptions & RunOptions): Promise<SimplifiedMesh> {
+  async simplify(mesh: MeshInput, options: MeshSimplifyOptions & RunOptions): Promise<SimplifiedMesh> {
     const [simplifyOptions, runOptions] = splitOptions(options);
     const connection = await this.#connect(runOptions.signal);
     const reply = await connection.request({ type: 'simplify-arrays', mesh, options: simplifyOptions }, runOptions);

@@ -17,8 +17,8 @@ import type {
   LevelTargets,
   MeasureOptions,
   MeshInput,
+  MeshSimplifyOptions,
   SimplifiedMesh,
-  SimplifyOptions,
   WriteOptions,
 } from '../types.js';
 
@@ -73,7 +73,7 @@ export interface SimplifyArraysRequest {
   readonly type: 'simplify-arrays';
   readonly id: number;
   readonly mesh: MeshInput;
-  readonly options: SimplifyOptions;
+  readonly options: MeshSimplifyOptions;
 }
 
 /** Asks which files a .gltf or .glb needs beside itself. Answered by {@link ExternalFilesReply}. */

@@ -30,6 +30,8 @@ pub(super) struct Patch {
     pub(super) merges: Vec<(u32, u32)>,
     corners_from: Vec<Corner>,
     corners_into: Vec<Corner>,
+    /// How many edges of more than two triangles a loose merge makes beyond those that it removes.
+    new_sheet_edges: i64,
     changes: Vec<Change>,
     neighbours: Vec<u32>,
     pub(super) builder: RingBuilder,
@@ -50,6 +52,7 @@ impl Default for Patch {
             merges: Vec::new(),
             corners_from: Vec::new(),
             corners_into: Vec::new(),
+            new_sheet_edges: 0,
             changes: Vec::new(),
             neighbours: Vec::new(),
             builder: RingBuilder::default(),
@@ -72,6 +75,48 @@ impl Simplifier {
     /// Collapses the edge if it is legal: `from` vanishes, `into` moves to the placement.
     #[inline(always)]
     pub(super) fn try_collapse(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
+        let error_squared = self.admit(from, into, placement.cost)?;
+        let (a, b) = (&self.topology.vertices[from as usize], &self.topology.vertices[into as usize]);
+        let (kind_from, kind_into) = (a.kind, b.kind);
+        let spliced = a.form() == Form::Closed
+            && b.form() == Form::Closed
+            && a.ring_length() + b.ring_length() <= CAPACITY
+            && kind_from < VertexKind::Corner;
+        let (old_from, old_into) = (a.position(), b.position());
+        let quadric =
+            if spliced { self.splice(from, into, placement)? } else { self.merge_any(from, into, placement)? };
+        self.settle_at(into, placement.position, &quadric, error_squared);
+        if kind_from > VertexKind::Manifold || kind_into > VertexKind::Manifold {
+            self.update_lines((from, old_from), (into, old_into));
+        }
+        Ok(())
+    }
+
+    /// As [`Simplifier::try_collapse`] for two vertices that no edge joins.
+    #[inline(never)]
+    pub(super) fn try_merge(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
+        let error_squared = self.admit(from, into, placement.cost)?;
+        let [old_from, old_into] = [from, into].map(|v| self.topology.vertices[v as usize].position());
+        let quadric = self.merge_any(from, into, placement)?;
+        self.settle_at(into, placement.position, &quadric, error_squared);
+        self.update_lines((from, old_from), (into, old_into));
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn settle_at(&mut self, v: u32, position: Vec3, quadric: &Quadric, error_squared: f32) {
+        let vertex = &mut self.topology.vertices[v as usize];
+        vertex.moved |= vertex.position() != position;
+        vertex.packed.set_quadric(quadric);
+        vertex.packed.set_position(position);
+        vertex.error_squared = error_squared;
+    }
+
+    /// What can be said before the rings are looked at. Returns the squared error that the merged vertex has.
+    #[inline(always)]
+    fn admit(&mut self, from: u32, into: u32, cost: f32) -> Result<f32, Refusal> {
+        // The error is that of the surface, however dear it was made.
+        let cost = if self.protection.is_empty() { cost } else { cost / self.protection.factor(from, into) };
         let length = |v: u32| self.topology.vertices[v as usize].ring_length();
         if length(from) + length(into) > legality::MAX_FAN {
             return Err(Refusal::Topology);
@@ -80,32 +125,22 @@ impl Simplifier {
             self.topology.refresh(v, &mut self.patch.builder);
         }
         let (a, b) = (&self.topology.vertices[from as usize], &self.topology.vertices[into as usize]);
-        let (kind_from, kind_into) = (a.kind, b.kind);
-        if kind_from > VertexKind::Manifold && !polyline_stays_open(&self.polylines, &self.topology, from, into) {
-            return Err(Refusal::Topology);
+        if a.kind > VertexKind::Manifold
+            && !self.pairing
+            && !polyline_stays_open(&self.polylines, &self.topology, from, into)
+        {
+            return Err(Refusal::Lines);
         }
         let weight = a.quadric().trace() + b.quadric().trace();
-        let step = if weight > 0.0 { placement.cost / weight } else { 0.0 };
+        let step = if weight > 0.0 { cost / weight } else { 0.0 };
         let error_squared = if a.error_squared > b.error_squared { a.error_squared } else { b.error_squared } + step;
-        if error_squared > self.max_error_squared {
-            return Err(Refusal::Error);
-        }
-        let spliced = a.form() == Form::Closed
-            && b.form() == Form::Closed
-            && a.ring_length() + b.ring_length() <= CAPACITY
-            && kind_from < VertexKind::Corner;
-        let (old_from, old_into) = (a.position(), b.position());
-        let quadric =
-            if spliced { self.splice(from, into, placement)? } else { self.merge_any(from, into, placement)? };
-        let vertex = &mut self.topology.vertices[into as usize];
-        vertex.moved |= old_into != placement.position;
-        vertex.packed.set_quadric(&quadric);
-        vertex.packed.set_position(placement.position);
-        vertex.error_squared = error_squared;
-        if kind_from > VertexKind::Manifold || kind_into > VertexKind::Manifold {
-            self.update_lines((from, old_from), (into, old_into));
-        }
-        Ok(())
+        if error_squared > self.max_error_squared { Err(Refusal::Error) } else { Ok(error_squared) }
+    }
+
+    /// As [`Simplifier::try_collapse`], without doing it.
+    pub(super) fn inspect(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
+        self.admit(from, into, placement.cost * self.protection.factor(from, into))?;
+        self.inspect_any(from, into, placement).map(|_| ())
     }
 
     /// Merges two closed rings. Returns the quadric of the merged vertex.
@@ -172,21 +207,28 @@ impl Simplifier {
         Ok(quadric)
     }
 
-    /// Merges any two vertices that share a triangle.
-    #[inline(never)]
-    fn merge_any(&mut self, from: u32, into: u32, placement: Placement) -> Result<Quadric, Refusal> {
-        let Self { topology, patch, .. } = self;
+    /// Whether there may be no surface at the edge, and nothing is left to do where there is one.
+    fn is_loose(&self, from: u32, into: u32) -> bool {
+        self.pairing
+            || self.last_resort
+                && [from, into].iter().any(|&v| self.topology.vertices[v as usize].kind == VertexKind::NonManifold)
+    }
+
+    /// Looks whether any two vertices that share a triangle may merge, and leaves in the patch what that takes.
+    /// Returns the quadric of the merged vertex.
+    fn inspect_any(&mut self, from: u32, into: u32, placement: Placement) -> Result<Quadric, Refusal> {
+        let loose = self.is_loose(from, into);
+        let Self { topology, patch, spare_sheet_edges, pairing, .. } = self;
         let Patch {
             corners_from,
             corners_into,
             changes,
-            neighbours,
             builder,
             marks,
             epoch,
             merges,
-            wedges,
             set_starts,
+            new_sheet_edges,
             ..
         } = &mut **patch;
         corners_from.clear();
@@ -195,11 +237,22 @@ impl Simplifier {
         topology.corners(into, corners_into);
         marks.resize(topology.vertices.len(), 0);
         let kinds = [from, into].map(|v| topology.vertices[v as usize].kind);
-        let loose = self.last_resort && kinds.contains(&VertexKind::NonManifold);
         if loose {
-            legality::check_soup((from, corners_from), (into, corners_into))?;
+            let spare = if *pairing { Some(i64::MAX) } else { *spare_sheet_edges };
+            *new_sheet_edges = legality::check_soup((from, corners_from), (into, corners_into), spare)?;
         } else {
             legality::check_link(marks, epoch, (from, corners_from), (into, corners_into))?;
+        }
+        // A locked vertex does not vanish with the last of its triangles.
+        for c in corners_from.iter().filter(|c| c.next == into || c.previous == into) {
+            let third = if c.next == into { c.previous } else { c.next };
+            if topology.vertices[third as usize].kind == VertexKind::Locked {
+                let gone = |o: &&Corner| [o.next, o.previous] == [into, third] || [o.next, o.previous] == [third, into];
+                let gone = corners_from.iter().filter(gone).count();
+                if topology.triangles_at(third) <= gone {
+                    return Err(Refusal::Lines);
+                }
+            }
         }
         merges.clear();
         pair_wedges(merges, set_starts, (from, corners_from), (into, corners_into));
@@ -207,7 +260,7 @@ impl Simplifier {
             // A seam that ends in `from` would have to go on in one of its sides.
             let torn = |m: &(u32, u32)| merges.iter().any(|o| o.0 == m.0 && o.1 != m.1);
             if merges.iter().any(torn) {
-                return Err(Refusal::Topology);
+                return Err(Refusal::Lines);
             }
         }
         let mut all = std::mem::take(merges);
@@ -229,12 +282,24 @@ impl Simplifier {
             corners_into.extend(corners_from.iter().filter(stays));
             let form = builder.build(corners_into);
             if form == Form::Parts {
-                return Err(Refusal::Topology);
+                return Err(Refusal::Lines);
             }
         }
-        let quadric = look_any(topology, changes, placement.position)?;
+        look_any(topology, changes, placement.position)
+    }
+
+    /// Merges any two vertices that share a triangle.
+    #[inline(never)]
+    fn merge_any(&mut self, from: u32, into: u32, placement: Placement) -> Result<Quadric, Refusal> {
+        let quadric = self.inspect_any(from, into, placement)?;
 
         // From here on the collapse is done.
+        let loose = self.is_loose(from, into);
+        if let (true, Some(spare)) = (loose, &mut self.spare_sheet_edges) {
+            *spare -= self.patch.new_sheet_edges;
+        }
+        let Self { topology, patch, .. } = self;
+        let Patch { corners_from, corners_into, changes, neighbours, builder, merges, wedges, .. } = &mut **patch;
         let at_from = topology.vertices[from as usize].position();
         let mut gone = 0;
         for c in corners_from.iter().filter(|c| c.next == into || c.previous == into) {

@@ -172,4 +172,74 @@ impl Edges {
         let refused = Placement { position: Vec3::ZERO, cost: f32::INFINITY };
         self.placements[index / WIDTH].set(index % WIDTH, refused);
     }
+
+    /// As [`Edges::gather`], but slower, and for [`Edges::iter`].
+    pub(super) fn list(
+        &mut self,
+        topology: &Topology,
+        polylines: &Polylines,
+        rule: PlacementRule,
+        last_resort: bool,
+        v: u32,
+    ) {
+        self.listed.clear();
+        self.placements.clear();
+        self.vertex = v;
+        self.gather_by_kind(topology, polylines, rule, last_resort, v);
+    }
+
+    /// After [`Edges::list`], adds pairs of the vertex and others that no edge joins, at their midpoint or an end.
+    pub(super) fn add_pairs(&mut self, topology: &Topology, rule: PlacementRule, others: &[u32]) {
+        let own = &topology.vertices[self.vertex as usize];
+        // Whole lanes before them: what is listed so far may end within one.
+        while !self.listed.len().is_multiple_of(WIDTH) || self.listed.len() < self.placements.len() * WIDTH {
+            self.listed.push((NONE, Freedom::Forbidden));
+        }
+        for &w in others {
+            let other = &topology.vertices[w as usize];
+            let at = |position: Vec3| Placement {
+                position,
+                cost: own.quadric().error_at(position - own.position())
+                    + other.quadric().error_at(position - other.position()),
+            };
+            let (first, second) = (at(own.position()), at(other.position()));
+            let middle = at((own.position() + other.position()) * 0.5);
+            let (freedom, placement) = if own.kind == VertexKind::Locked && other.kind == VertexKind::Locked {
+                continue;
+            } else if own.kind > other.kind {
+                (Freedom::AtFirst, first)
+            } else if own.kind < other.kind {
+                (Freedom::AtSecond, second)
+            } else if rule == PlacementRule::Optimal && middle.cost <= first.cost && middle.cost <= second.cost {
+                (Freedom::Anywhere, middle)
+            } else if first.cost <= second.cost {
+                (Freedom::AtFirst, first)
+            } else {
+                (Freedom::AtSecond, second)
+            };
+            self.push(w, freedom, placement);
+        }
+    }
+
+    /// Every edge that [`Edges::list`] found.
+    pub(super) fn iter(&self) -> impl Iterator<Item = Edge> {
+        let real = self.listed.iter().enumerate().filter(|(_, (neighbour, _))| *neighbour != NONE);
+        real.filter_map(|(i, &(neighbour, freedom))| {
+            let placement = self.placements.get(i / WIDTH)?.get(i % WIDTH);
+            Some(Edge { neighbour, freedom, placement })
+        })
+    }
+
+    /// Multiplies the cost of each edge by the factor of its neighbour.
+    #[inline(never)]
+    pub(super) fn weigh(&mut self, topology: &Topology, factor: impl Fn(u32) -> f32) {
+        let ring = topology.ring(self.vertex);
+        let all = self.placements.len() * WIDTH;
+        for i in 0..all {
+            let neighbour = if self.listed.is_empty() { ring.get(i) } else { self.listed.get(i).map(|(w, _)| w) };
+            if let Some(&w) = neighbour.filter(|&&w| w != NONE) {
+                self.placements[i / WIDTH].scale_cost(i % WIDTH, factor(w));
+            }
+        }
+    }
 }

@@ -107,7 +107,7 @@ impl Fit {
 impl Simplifier {
     /// A fit of the tuning's rounds to at most its number of samples for each triangle that is left.
     pub(super) fn begin_fit(&mut self, mesh: &Mesh, tuning: Tuning) -> Fit {
-        let owners = self.topology.settle(&mut self.patch.builder).to_vec();
+        let owners = self.topology.settle(&mut self.patch.builder);
         let mut vertex_of_wedge = vec![NO_VERTEX; mesh.positions.len()];
         for (&wedge, v) in self.wedge_of_vertex.iter().zip(0..) {
             vertex_of_wedge[wedge as usize] = v;

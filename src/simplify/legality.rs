@@ -21,6 +21,8 @@ pub(super) const MAX_FAN: usize = 2048;
 pub(super) enum Refusal {
     /// It would change the topology: the link condition fails.
     Topology,
+    /// A line of borders, seams or sheets would close onto itself or tear.
+    Lines,
     /// A triangle would turn over or become degenerate.
     Flip,
     /// The estimated error would exceed the limit.
@@ -78,9 +80,14 @@ pub(super) fn check_link(
     Ok(())
 }
 
-/// What is left of [`check_link`] at a vertex that no surface goes through: the merge makes no edge
-/// of more than two triangles that was none before, and puts no triangle upon another.
-pub(super) fn check_soup((u, corners_u): (u32, &[Corner]), (v, corners_v): (u32, &[Corner])) -> Result<(), Refusal> {
+/// What is left of [`check_link`] at a vertex that no surface goes through: the merge puts no triangle upon another, and
+/// makes no edge of more than two triangles that was none before. With `spare` it may make more of them than it removes
+/// by at most as many. Returns how many more there are.
+pub(super) fn check_soup(
+    (u, corners_u): (u32, &[Corner]),
+    (v, corners_v): (u32, &[Corner]),
+    spare: Option<i64>,
+) -> Result<i64, Refusal> {
     if corners_u.len() + corners_v.len() > MAX_FAN {
         return Err(Refusal::Topology);
     }
@@ -103,16 +110,17 @@ pub(super) fn check_soup((u, corners_u): (u32, &[Corner]), (v, corners_v): (u32,
         }
     }
     sides.sort_unstable();
-    let worse = |edge: &[(u32, u32)]| {
+    let shared = corners_u.iter().filter(|c| !stays(c, v)).count();
+    let (mut more, mut any_worse) = (-i64::from(shared > 2), false);
+    for edge in sides.chunk_by(|a, b| a.0 == b.0).filter(|edge| edge[0].0 != u && edge[0].0 != v) {
         let after = edge.iter().filter(|s| s.1 & 1 != 0).count();
         let second = edge.iter().filter(|s| s.1 & 2 != 0).count();
-        after > 2 && second <= 2 && edge.len() - second <= 2
-    };
-    let ends = [u, v];
-    if left == 0 || sides.chunk_by(|a, b| a.0 == b.0).any(|edge| !ends.contains(&edge[0].0) && worse(edge)) {
-        return Err(Refusal::Topology);
+        let before = i64::from(second > 2) + i64::from(edge.len() - second > 2);
+        more += i64::from(after > 2) - before;
+        any_worse |= after > 2 && before == 0;
     }
-    Ok(())
+    let allowed = spare.map_or(!any_worse, |spare| more <= spare);
+    if left > 0 && allowed { Ok(more) } else { Err(Refusal::Topology) }
 }
 
 /// Where a triangle with area vector `old` may become one with area vector `new` and longest edge

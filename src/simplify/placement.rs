@@ -47,6 +47,12 @@ impl Placements {
         Placement { position: Vec3 { x: at(x), y: at(y), z: at(z) }, cost: at(self.cost) }
     }
 
+    pub(super) fn scale_cost(&mut self, lane: usize, factor: f32) {
+        let mut costs = self.cost.to_array();
+        costs[lane] *= factor;
+        self.cost = Lanes::new(costs);
+    }
+
     pub(super) fn set(&mut self, lane: usize, placement: Placement) {
         let Vec3 { x, y, z } = placement.position;
         for (lanes, value) in [

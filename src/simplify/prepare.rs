@@ -57,7 +57,9 @@ impl Preparation {
         let part_of = |w: u32| part_of_wedge.get(w as usize).copied().unwrap_or(0);
         let diagonal = mesh.diagonal_of(weld.wedge_of_vertex.iter().map(|&w| (w, part_of(w).into())));
         Welded {
-            spaces: Space::of_parts(mesh, if diagonal > 0.0 { diagonal } else { 1.0 }),
+            spaces: Space::of_parts(mesh, if diagonal > 0.0 { diagonal } else { 1.0 }, |w| {
+                weld.vertex_of_wedge[w] != NO_VERTEX
+            }),
             part_of_vertex: weld.wedge_of_vertex.iter().map(|&w| part_of(w)).collect(),
             wedge_of_vertex: weld.wedge_of_vertex.clone(),
             vertex_of_wedge: weld
@@ -146,7 +148,10 @@ impl Preparation {
 
     /// Vertices at these positions, without rings yet.
     pub(super) fn topology(&self, positions: impl ExactSizeIterator<Item = Vec3>) -> Topology {
-        Topology::new(positions, !self.wedges.is_empty(), self.triangles.len())
+        // A ring has a slot more than triangles if it is open.
+        let fans = self.starts.windows(2).map(|pair| (pair[1] - pair[0]) as usize);
+        let long = fans.filter(|&fan| fan > 8).map(|fan| (fan + 1).next_power_of_two()).sum();
+        Topology::new(positions, !self.wedges.is_empty(), self.triangles.len(), long)
     }
 
     pub(super) fn triangle_count(&self) -> usize {

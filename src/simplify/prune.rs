@@ -27,6 +27,8 @@ impl Simplifier {
         let ring = self.topology.ring(v).to_vec();
         let tetrahedron = ring.len() == 3;
         let (area_squared, extent_squared) = measures(&self.topology, v, &ring);
+        let dearest = ring.iter().map(|&w| self.protection.factor(v, w)).fold(1.0, larger);
+        let area_squared = area_squared * dearest;
         if area_squared > self.threshold {
             self.keys[v as usize] = area_squared;
             return 2;

@@ -5,7 +5,7 @@
 //! afterwards: the coarse, spatial order of the sweeps leaves no trace, and every level is as good
 //! as if it had been the target.
 
-use crate::collapse_sequence::{Collapse, CollapseSequence, StopReason, TriangleCounts, WedgeMerges};
+use crate::collapse_sequence::{Blockers, Collapse, CollapseSequence, StopReason, TriangleCounts, WedgeMerges};
 
 /// Collapses in the order they are done.
 #[derive(Debug, Default)]
@@ -65,7 +65,7 @@ impl Record {
         self,
         vertex_of_wedge: Vec<u32>,
         initial_triangle_count: usize,
-        stop_reason: StopReason,
+        (stop_reason, blockers): (StopReason, Blockers),
         fitted: Vec<(u32, [f32; 3])>,
     ) -> CollapseSequence {
         let mut sequence = CollapseSequence {
@@ -75,6 +75,7 @@ impl Record {
             vertex_of_wedge,
             initial_triangle_count,
             stop_reason,
+            blockers,
             fitted,
         };
         if !self.rank_at.is_empty() {

@@ -16,12 +16,12 @@ pub(super) struct Space {
 }
 
 impl Space {
-    /// The space of each part.
-    pub(super) fn of_parts(mesh: &Mesh, world_per_engine: f64) -> Vec<Self> {
+    /// The space of each part, about the middle of the wedges that `is_used` names: others may be anywhere.
+    pub(super) fn of_parts(mesh: &Mesh, world_per_engine: f64, is_used: impl Fn(usize) -> bool) -> Vec<Self> {
         let mut bounds = vec![([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]); mesh.parts.len()];
         for set in &mesh.wedge_sets {
             let (low, high) = &mut bounds[set.part];
-            for p in &mesh.positions[set.wedges.clone()] {
+            for (_, p) in set.wedges.clone().zip(&mesh.positions[set.wedges.clone()]).filter(|(w, _)| is_used(*w)) {
                 for k in 0..3 {
                     // Comparisons, because `min` and `max` are calls in WebAssembly.
                     let c = f64::from(p[k]);

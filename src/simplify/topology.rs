@@ -102,8 +102,13 @@ pub(super) struct Topology {
 }
 
 impl Topology {
-    /// Vertices without rings; see [`Topology::replace_ring`].
-    pub(super) fn new(positions: impl ExactSizeIterator<Item = Vec3>, has_wedges: bool, triangles: usize) -> Self {
+    /// Vertices without rings; see [`Topology::replace_ring`]. About `long` slots are for rings of more than eight.
+    pub(super) fn new(
+        positions: impl ExactSizeIterator<Item = Vec3>,
+        has_wedges: bool,
+        triangles: usize,
+        long: usize,
+    ) -> Self {
         let count = positions.len();
         let vertices = positions
             .zip(0_u32..)
@@ -118,10 +123,11 @@ impl Topology {
                 moved: false,
             })
             .collect();
-        // A block for each vertex, and room for the few vertices with more than eight neighbours.
-        let mut slots = Vec::with_capacity((count << LEAST_BLOCK) + count / 4 + 64);
+        // A block for each vertex, and room for the few vertices with more than eight neighbours, now and later.
+        let mut slots = Vec::with_capacity((count << LEAST_BLOCK) + long + 2 * count + 64);
         slots.resize(count << LEAST_BLOCK, NONE);
-        let wedges = vec![0; if has_wedges { slots.len() } else { 0 }];
+        let mut wedges = Vec::with_capacity(if has_wedges { slots.capacity() } else { 0 });
+        wedges.resize(if has_wedges { slots.len() } else { 0 }, 0);
         let merged_into = (0..count as u32).collect();
         let free = vec![Vec::new(); 33];
         Self { vertices, slots, wedges, has_wedges, free, merged_into, live_triangle_count: triangles }
@@ -180,6 +186,13 @@ impl Topology {
         }
     }
 
+    /// How many triangles there are at `v`.
+    pub(super) fn triangles_at(&self, v: u32) -> usize {
+        let ring = self.ring(v);
+        let chained = ring.windows(2).filter(|pair| pair[0] != NONE && pair[1] != NONE).count();
+        chained + usize::from(self.vertices[v as usize].form == Form::Closed && ring.len() > 1)
+    }
+
     /// Gives `v` a ring, in its own block if it fits, else in that of `spare`, else in another.
     /// Vertex `spare` is gone and its block is free afterwards.
     pub(super) fn set_ring(&mut self, v: u32, spare: u32, form: Form, ring: &[u32], wedges: &[u32]) {
@@ -231,9 +244,9 @@ impl Topology {
         let block = (usize::BITS - length.saturating_sub(1).leading_zeros()).max(u32::from(LEAST_BLOCK)) as u8;
         let start = self.free[usize::from(block)].pop().unwrap_or_else(|| {
             let start = self.slots.len();
-            self.slots.resize(start + (1 << block), NONE);
+            grow(&mut self.slots, 1 << block, NONE);
             if self.has_wedges {
-                self.wedges.resize(self.slots.len(), 0);
+                grow(&mut self.wedges, 1 << block, 0);
             }
             start as u32
         });
@@ -314,6 +327,11 @@ impl Topology {
         }
     }
 
+    /// The vertex that lives where `v` was.
+    pub(super) fn living(&mut self, v: u32) -> u32 {
+        root(&mut self.merged_into, v)
+    }
+
     /// Brings the ring of a hub up to date.
     #[inline(always)]
     pub(super) fn refresh(&mut self, v: u32, builder: &mut RingBuilder) {
@@ -324,14 +342,13 @@ impl Topology {
         }
     }
 
-    /// Brings every hub's ring up to date, and every entry of the returned list: the vertex that
-    /// lives now where each vertex was.
-    pub(super) fn settle(&mut self, builder: &mut RingBuilder) -> &[u32] {
+    /// Brings every hub's ring up to date, for good, and returns the vertex that lives now where each vertex was.
+    pub(super) fn settle(&mut self, builder: &mut RingBuilder) -> Vec<u32> {
         for v in 0..self.vertices.len() as u32 {
             root(&mut self.merged_into, v);
             self.refresh(v, builder);
         }
-        &self.merged_into
+        std::mem::take(&mut self.merged_into)
     }
 
     /// Renames the neighbours of `v`; triangles of which two are the same now are gone.
@@ -361,6 +378,14 @@ impl Topology {
     pub(super) fn add(&mut self, v: u32, difference: &[Lanes; 3]) {
         self.vertices[v as usize].packed.add(difference);
     }
+}
+
+/// Lengthens the pool. By an eighth and not by all of it again where there is no room: it is the largest thing there is.
+fn grow(pool: &mut Vec<u32>, by: usize, value: u32) {
+    if pool.capacity() - pool.len() < by {
+        pool.reserve_exact(by.max(pool.len() / 8));
+    }
+    pool.resize(pool.len() + by, value);
 }
 
 /// The living vertex that `v` was merged into, with the path to it halved.
@@ -554,7 +579,7 @@ mod tests {
             let mut expected = corners(pairs);
             let mut builder = RingBuilder::default();
             let form = builder.build(&expected);
-            let mut topology = Topology::new([Vec3::ZERO; 1].into_iter(), true, pairs.len());
+            let mut topology = Topology::new([Vec3::ZERO; 1].into_iter(), true, pairs.len(), 0);
             topology.replace_ring(0, form, &builder.ring, &builder.wedges);
             let mut found = Vec::new();
             topology.corners(0, &mut found);
