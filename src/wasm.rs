@@ -760,7 +760,7 @@ fn extract_level<'a>(
         (false, true) => "error",
         (false, false) => sequence.stop_reason.as_str(),
     };
-    let stuck = last && stop_reason != "target" && sequence.blockers.total() > 0;
+    let stuck = count == all && stop_reason != "target" && sequence.blockers.total() > 0;
     let summary = LevelSummary {
         triangles: level.triangles.len(),
         vertices: level.positions.len(),
