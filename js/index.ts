@@ -9,6 +9,7 @@ export { DecimeshError, type EngineErrorCode, type ErrorCode, type HostErrorCode
 export type { Deviation, Report, ReportedFile, SideDeviation, Timings } from './report.js';
 export type {
   AttributeArray,
+  AttributeWeights,
   DocumentInput,
   DocumentSimplifyOptions,
   DocumentSummary,

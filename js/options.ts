@@ -1,7 +1,7 @@
 // Checks the options of a simplification, and turns targets into a triangle count and an error in model units.
 
 import { invalidArgument } from './errors.js';
-import type { DocumentSimplifyOptions, MeasureOptions, Preset, RunOptions, Targets } from './types.js';
+import type { AttributeWeights, DocumentSimplifyOptions, MeasureOptions, Preset, RunOptions, Targets } from './types.js';
 
 /** What targets refer to. */
 export interface Scale {
@@ -22,6 +22,7 @@ export interface ResolvedTargets {
 export interface SimplifyRequest extends ResolvedTargets {
   lockBorder?: boolean;
   prune?: boolean;
+  attributeWeights?: AttributeWeights;
   placement?: 'optimal' | 'subset';
   preset?: Preset;
   everyLevel?: boolean;
@@ -34,7 +35,10 @@ export const PRESETS: readonly Preset[] = ['fast', 'balanced', 'best'];
 const TARGETS = ['ratio', 'triangles', 'error'];
 
 /** Names of the options of a simplification. */
-export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'prune', 'placement', 'preset', 'timeBudget'];
+export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'prune', 'attributeWeights', 'placement', 'preset', 'timeBudget'];
+
+/** Names of {@link AttributeWeights}. */
+export const WEIGHT_NAMES = ['normal', 'uv', 'color', 'morph'] as const;
 
 /** Names of {@link DocumentSimplifyOptions}. */
 export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels'];
@@ -66,7 +70,7 @@ export function isPreset(value: unknown): value is Preset {
  * is no part of the request: the engine knows no clock.
  */
 export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, scale: Scale): SimplifyRequest {
-  const { placement, preset, timeBudget, onProgress, signal } = options;
+  const { attributeWeights, placement, preset, timeBudget, onProgress, signal } = options;
   const request: SimplifyRequest = targetsOf(options, scale);
   for (const name of ['lockBorder', 'prune', 'everyLevel', 'keepLevels'] as const) {
     const value = options[name];
@@ -74,6 +78,7 @@ export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, sc
     if (typeof value !== 'boolean') throw invalidArgument(name, 'must be true or false');
     request[name] = value;
   }
+  if (attributeWeights !== undefined) request.attributeWeights = checkedWeights(attributeWeights);
   if (preset !== undefined) {
     if (!isPreset(preset)) throw invalidArgument('preset', `must be one of ${PRESETS.join(', ')}, not ${shown(preset)}`);
     request.preset = preset;
@@ -92,6 +97,18 @@ export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, sc
   }
   checkSignal(signal);
   return request;
+}
+
+function checkedWeights(weights: AttributeWeights): AttributeWeights {
+  checkNames(weights, WEIGHT_NAMES, 'attributeWeights');
+  for (const name of WEIGHT_NAMES) {
+    const weight = weights[name];
+    // What is no finite f32 any more would reach the engine as infinite.
+    if (weight !== undefined && !(typeof weight === 'number' && weight >= 0 && weight <= 1e6)) {
+      throw invalidArgument(`attributeWeights.${name}`, `must be a number from 0 to 1e6, not ${shown(weight)}`);
+    }
+  }
+  return weights;
 }
 
 /** Checks `options` of a measurement. */

@@ -11,6 +11,9 @@
 //! volume constraint. Sweeping in spatial order and not strictly by cost is as good on the average
 //! and several times faster, because memory is touched in order.
 
+mod attribute_layout;
+mod attribute_update;
+mod attributes;
 mod collapse;
 mod edges;
 mod fit;
@@ -26,9 +29,13 @@ mod space;
 mod topology;
 mod vertex_kind;
 
+pub use attribute_layout::AttributeWeights;
+
 use crate::collapse_sequence::{Collapse, CollapseSequence, StopReason};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
+use attribute_layout::Layout;
+use attributes::AttributeField;
 use collapse::Patch;
 use edges::Edges;
 use fit::Fit;
@@ -109,6 +116,8 @@ pub struct SimplifyOptions {
     pub prune: bool,
     /// Vertices on open borders neither move nor vanish. Default off.
     pub lock_border: bool,
+    /// What attributes weigh beside positions. Default 1 for each.
+    pub attribute_weights: AttributeWeights,
     /// Default optimal.
     pub placement: PlacementRule,
     /// Default balanced.
@@ -125,6 +134,7 @@ impl Default for SimplifyOptions {
             max_error: f32::INFINITY,
             prune: false,
             lock_border: false,
+            attribute_weights: AttributeWeights::default(),
             placement: PlacementRule::Optimal,
             preset: Preset::Balanced,
             every_level: false,
@@ -158,6 +168,7 @@ enum Stage {
     Triangles,
     Fans,
     Rings(usize),
+    Attributes(usize),
     Sweep,
     Fit,
     Done,
@@ -173,6 +184,8 @@ pub struct Simplifier {
     polylines: Polylines,
     wedge_of_vertex: Vec<u32>,
     vertex_of_wedge: Vec<u32>,
+    /// Wedges that are the same as another of their vertex, and which.
+    duplicates: Vec<(u32, u32)>,
     spaces: Vec<Space>,
     part_of_vertex: Vec<u16>,
     /// For each vertex, the cost below which a visit may be worth while; infinite: never.
@@ -187,6 +200,8 @@ pub struct Simplifier {
     /// Nothing is left to do but what the surface's topology forbids, where there is no surface.
     last_resort: bool,
     pruned_count: usize,
+    /// None if no attribute counts.
+    attributes: Option<AttributeField>,
     edges: Edges,
     patch: Box<Patch>,
     initial_triangle_count: usize,
@@ -206,6 +221,7 @@ impl Simplifier {
         if options.max_error.is_nan() || options.max_error < 0.0 {
             return Err(Error::new(ErrorCode::InvalidArgument, "error", "must not be negative"));
         }
+        options.attribute_weights.validate()?;
         Ok(Self {
             options: options.clone(),
             stage: Stage::Weld,
@@ -214,6 +230,7 @@ impl Simplifier {
             polylines: Polylines::default(),
             wedge_of_vertex: Vec::new(),
             vertex_of_wedge: Vec::new(),
+            duplicates: Vec::new(),
             spaces: Vec::new(),
             part_of_vertex: Vec::new(),
             keys: Vec::new(),
@@ -226,6 +243,7 @@ impl Simplifier {
             blocked_by_error: false,
             last_resort: false,
             pruned_count: 0,
+            attributes: None,
             edges: Edges::default(),
             patch: Box::default(),
             initial_triangle_count: 0,
@@ -246,7 +264,7 @@ impl Simplifier {
                 self.stage = Stage::Triangles;
             }
             Stage::Triangles => {
-                self.preparation.order_triangles(mesh, &self.vertex_of_wedge);
+                self.duplicates = self.preparation.order_triangles(mesh, &self.vertex_of_wedge);
                 self.stage = Stage::Fans;
             }
             Stage::Fans => {
@@ -261,6 +279,15 @@ impl Simplifier {
                 preparation.build_rings(range, topology, polylines, keys, options.lock_border);
                 if self.stage == Stage::Sweep {
                     self.preparation = Preparation::default();
+                    self.begin_attributes(mesh);
+                }
+            }
+            Stage::Attributes(first) => {
+                let count = self.topology.vertices.len();
+                let range = part(first, count);
+                self.stage = if range.end == count { Stage::Sweep } else { Stage::Attributes(range.end) };
+                if let Some(attributes) = &mut self.attributes {
+                    range.for_each(|v| attributes.refresh(&self.topology, v as u32));
                 }
             }
             Stage::Sweep => self.sweep(mesh, work),
@@ -284,7 +311,8 @@ impl Simplifier {
             Stage::Weld => 0.0,
             Stage::Triangles => 0.05,
             Stage::Fans => 0.08,
-            Stage::Rings(done) => 0.1 + 0.2 * done as f32 / vertices,
+            Stage::Rings(done) => 0.1 + 0.15 * done as f32 / vertices,
+            Stage::Attributes(done) => 0.25 + 0.05 * done as f32 / vertices,
             Stage::Sweep => {
                 let all = self.initial_triangle_count.max(1);
                 let gone = all - self.topology.live_triangle_count;
@@ -328,7 +356,12 @@ impl Simplifier {
                 (self.wedge_of_vertex[v], space.to_local(self.topology.vertices[v].position()))
             })
             .collect();
-        self.record.finish(self.vertex_of_wedge, self.initial_triangle_count, self.stop_reason, fitted)
+        self.record.finish(
+            (self.vertex_of_wedge, self.duplicates),
+            self.initial_triangle_count,
+            self.stop_reason,
+            fitted,
+        )
     }
 
     /// How many parts of the surface have vanished; 0 without [`SimplifyOptions::prune`].
@@ -366,6 +399,19 @@ impl Simplifier {
             vertex_count,
             self.options.every_level,
         );
+    }
+
+    /// Takes up the attributes that count, if there are any.
+    fn begin_attributes(&mut self, mesh: &Mesh) {
+        let spaces = &self.spaces;
+        let per_local = |part: usize| spaces[part].engine_per_local();
+        let Some(layout) = Layout::new(mesh, &self.options.attribute_weights, per_local) else { return };
+        if self.options.placement == PlacementRule::Optimal {
+            self.record.solved = layout.solved();
+        }
+        let wedges = (self.vertex_of_wedge.as_slice(), self.wedge_of_vertex.as_slice());
+        self.attributes = Some(AttributeField::new(mesh, layout, &self.topology, wedges));
+        self.stage = Stage::Attributes(0);
     }
 
     fn tuning(&self) -> Tuning {
@@ -495,7 +541,14 @@ impl Simplifier {
         if self.options.prune && self.is_last_of_part(v) {
             return self.visit_last_of_part(mesh, v);
         }
-        self.edges.gather(&self.topology, &self.polylines, self.options.placement, self.last_resort, v);
+        self.edges.gather(
+            &self.topology,
+            &self.polylines,
+            self.attributes.as_ref(),
+            self.options.placement,
+            self.last_resort,
+            v,
+        );
         let mut refused = false;
         let mut key = f32::INFINITY;
         for tries in 0..=TRIES {
@@ -550,6 +603,15 @@ impl Simplifier {
         self.record.push(collapse, self.topology.live_triangle_count);
         if self.topology.has_wedges() {
             self.record.push_merges(&self.patch.merges);
+        }
+        let solved = &mut self.record.solved;
+        if let (Some(attributes), true) = (&self.attributes, solved.components > 0) {
+            let plain = [(collapse.from, wedge)];
+            let merges = if self.topology.has_wedges() { &self.patch.merges[..] } else { &plain };
+            for &(_, wedge) in merges {
+                let set = self.patch.set_starts.partition_point(|&start| start <= wedge) - 1;
+                attributes.push_values((into, wedge, set), &mut solved.values);
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What becomes of attributes when wedges merge: the values at a share between two wedges.
 
 use super::segment::Source;
+use crate::collapse_sequence::SolvedAttribute;
 use crate::mesh::weld::NO_VERTEX;
 use crate::mesh::{Attribute, Blend};
 
@@ -11,6 +12,8 @@ pub(super) struct Blending {
     pub(super) from: u32,
     pub(super) into: u32,
     pub(super) parameter: f32,
+    /// Which of the sequence's solved values replace those that were blended.
+    pub(super) solved: u32,
 }
 
 /// The merges of the segment that change values, and how far along the edge each is.
@@ -33,17 +36,20 @@ pub(super) fn blends(
     let mut positions = at_first.to_vec();
     let mut blends = Vec::new();
     let collapses = sequence.collapses[first..first + length].iter();
+    let mut solved = sequence.wedge_merges.count_before(first) as u32;
     for ((collapse, merges), time) in collapses.zip(sequence.merges_from(first)).zip(1..) {
-        let (Some(from), Some(into)) = (vertex(collapse.from), vertex(collapse.into)) else { continue };
-        let parameter = edge_parameter(positions[from], positions[into], collapse.position);
-        positions[into] = collapse.position;
-        if parameter >= 1.0 {
-            continue;
+        let mut parameter = 1.0;
+        if let (Some(from), Some(into)) = (vertex(collapse.from), vertex(collapse.into)) {
+            parameter = edge_parameter(positions[from], positions[into], collapse.position);
+            positions[into] = collapse.position;
         }
         for (from, into) in merges {
-            if let (Some(from), Some(into)) = (wedge(from), wedge(into)) {
-                blends.push(Blending { time, from: from as u32, into: into as u32, parameter });
+            if (parameter < 1.0 || sequence.solved.components > 0)
+                && let (Some(from), Some(into)) = (wedge(from), wedge(into))
+            {
+                blends.push(Blending { time, from: from as u32, into: into as u32, parameter, solved });
             }
+            solved += 1;
         }
     }
     blends
@@ -79,7 +85,7 @@ impl WedgeAttributes {
         if t >= 1.0 {
             return;
         }
-        let set = if self.starts.len() == 1 { 0 } else { self.starts.partition_point(|&s| s <= into as usize) - 1 };
+        let set = self.set_of(into);
         let (from, into) = (from as usize - self.starts[set], into as usize - self.starts[set]);
         let attributes = &mut self.sets[set];
         for i in 0..attributes.len() {
@@ -113,6 +119,38 @@ impl WedgeAttributes {
                 Blend::Weights => {}
             }
         }
+    }
+
+    /// Gives wedge `into` the solved values that are not blended, and its tangents a right angle to
+    /// the normal.
+    pub(super) fn replace(&mut self, into: u32, values: &[f32], layouts: &[Vec<SolvedAttribute>]) {
+        if values.is_empty() {
+            return;
+        }
+        let set = self.set_of(into);
+        let (into, attributes) = (into as usize - self.starts[set], &mut self.sets[set]);
+        let mut normal = None;
+        for &SolvedAttribute { attribute, start, length } in layouts.get(set).into_iter().flatten() {
+            let attribute = &mut attributes[attribute];
+            let at = into * attribute.components;
+            attribute.values[at..at + length].copy_from_slice(&values[start..start + length]);
+            if let (Blend::Direction, &[x, y, z]) = (attribute.blend, &values[start..start + length]) {
+                normal = Some([x, y, z]);
+            }
+        }
+        let Some(normal) = normal else { return };
+        for tangents in attributes.iter_mut().filter(|a| a.blend == Blend::Tangent && a.components >= 3) {
+            let at = into * tangents.components;
+            let tangent = &mut tangents.values[at..at + 3];
+            let before = [tangent[0], tangent[1], tangent[2]];
+            let along: f32 = tangent.iter().zip(normal).map(|(t, n)| t * n).sum();
+            tangent.iter_mut().zip(normal).for_each(|(t, n)| *t -= along * n);
+            normalise(tangent, &before);
+        }
+    }
+
+    fn set_of(&self, wedge: u32) -> usize {
+        if self.starts.len() == 1 { 0 } else { self.starts.partition_point(|&s| s <= wedge as usize) - 1 }
     }
 
     /// The attributes of one set for just these wedges.

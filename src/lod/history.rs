@@ -35,6 +35,9 @@ impl History {
         let mut wedges = Successors::default();
         if !plain {
             wedges = Successors::new(names);
+            if count > 0 {
+                sequence.duplicates.iter().for_each(|&(from, into)| wedges.merge(from, into, 1));
+            }
             for (merges, time) in sequence.merges_from(0).take(count).zip(1..) {
                 merges.for_each(|(from, into)| wedges.merge(from, into, time));
             }

@@ -12,7 +12,7 @@ use super::LevelMesh;
 use super::blend::{Blending, WedgeAttributes, blends};
 use super::history::{History, Successors, climb, end_of_triangle};
 use super::versions::Versions;
-use crate::collapse_sequence::CollapseSequence;
+use crate::collapse_sequence::{CollapseSequence, SolvedValues};
 use crate::mesh::weld::NO_VERTEX;
 use crate::mesh::{Group, Mesh, WedgeSet};
 
@@ -217,7 +217,7 @@ impl Segment {
             None => Vec::new(),
         };
         out.positions = self.positions(mesh, source, &local, time);
-        let attributes = self.attributes(state, time);
+        let attributes = self.attributes(state, &sequence.solved, time);
         let mut start = 0;
         for (s, set) in state.wedge_sets.iter().enumerate() {
             let end = start + local[start..].partition_point(|&w| (w as usize) < set.wedges.end);
@@ -357,7 +357,7 @@ impl Segment {
             .collect()
     }
 
-    fn attributes(&self, state: &Mesh, time: u32) -> Option<WedgeAttributes> {
+    fn attributes(&self, state: &Mesh, solved: &SolvedValues, time: u32) -> Option<WedgeAttributes> {
         if state.wedge_sets.iter().all(|set| set.attributes.is_empty()) {
             return None;
         }
@@ -365,6 +365,7 @@ impl Segment {
         let mut attributes = WedgeAttributes::new(sets);
         for b in self.blends.iter().take_while(|b| b.time <= time) {
             attributes.blend(b.from, b.into, b.parameter);
+            attributes.replace(b.into, solved.of(b.solved as usize), &solved.layouts);
         }
         Some(attributes)
     }

@@ -4,14 +4,15 @@
 //! rings: every vertex around them is read once and written once. All other pairs go through
 //! lists of triangles, which bear any soup.
 
-use super::Simplifier;
+use super::attribute_update::Spliced;
 use super::lanes::{Lanes, Lanes3, WIDTH};
 use super::legality::{self, Refusal};
 use super::placement::Placement;
 use super::polylines::Polylines;
-use super::quadric::{Quadric, QuadricLanes, Vec3};
-use super::topology::{Corner, Form, RingBuilder, Topology};
+use super::quadric::{Quadric, QuadricLanes, Vec3, smaller};
+use super::topology::{Corner, Form, RingBuilder, Topology, Vertex};
 use super::vertex_kind::VertexKind;
+use super::{PlacementRule, Simplifier};
 
 /// Longest merged ring that is spliced in place.
 const CAPACITY: usize = 64;
@@ -85,7 +86,15 @@ impl Simplifier {
             return Err(Refusal::Topology);
         }
         let weight = a.quadric().trace() + b.quadric().trace();
-        let step = if weight > 0.0 { placement.cost / weight } else { 0.0 };
+        let cost = match &self.attributes {
+            // What attributes add is no deviation.
+            Some(_) => {
+                let end = |v: &Vertex| v.quadric().error_at(placement.position - v.position());
+                smaller(end(a) + end(b), placement.cost)
+            }
+            None => placement.cost,
+        };
+        let step = if weight > 0.0 { cost / weight } else { 0.0 };
         let error_squared = if a.error_squared > b.error_squared { a.error_squared } else { b.error_squared } + step;
         if error_squared > self.max_error_squared {
             return Err(Refusal::Error);
@@ -94,7 +103,7 @@ impl Simplifier {
             && b.form() == Form::Closed
             && a.ring_length() + b.ring_length() <= CAPACITY
             && kind_from < VertexKind::Corner;
-        let (old_from, old_into) = (a.position(), b.position());
+        let (old_from, old_into, length_from) = (a.position(), b.position(), a.ring_length());
         let quadric =
             if spliced { self.splice(from, into, placement)? } else { self.merge_any(from, into, placement)? };
         let vertex = &mut self.topology.vertices[into as usize];
@@ -104,6 +113,15 @@ impl Simplifier {
         vertex.error_squared = error_squared;
         if kind_from > VertexKind::Manifold || kind_into > VertexKind::Manifold {
             self.update_lines((from, old_from), (into, old_into));
+        }
+        if let Some(attributes) = &mut self.attributes {
+            let Patch { ring, merges, .. } = &*self.patch;
+            let spliced = spliced.then(|| {
+                let ring = &ring[..self.topology.vertices[into as usize].ring_length()];
+                Spliced { ring, split: length_from - 2 }
+            });
+            let solve = self.options.placement == PlacementRule::Optimal;
+            attributes.follow(&self.topology, spliced, merges, ((from, old_from), (into, old_into)), solve);
         }
         Ok(())
     }
