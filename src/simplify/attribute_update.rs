@@ -13,6 +13,10 @@ use super::topology::{NONE, Topology};
 /// A triangle thinner than this share of its length has the gradient of one that is as thick.
 const THINNEST: f32 = 1e-5;
 
+/// A neighbour of several wedges and more triangles than this is not taken up afresh: a few of them
+/// have changed, and it would be each time that one of its many neighbours does.
+const LONGEST_RING: usize = 256;
+
 /// A collapse whose two ends had closed rings, done in the topology and not yet in the attributes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spliced<'a> {
@@ -93,7 +97,9 @@ impl AttributeField {
             self.merge(topology, merges, (from, into));
         }
         let ring = topology.ring(into.0);
-        let around = || [into.0].into_iter().chain(ring.iter().copied()).filter(|&v| v != NONE);
+        let short = |v: u32| topology.vertices[v as usize].ring_length() <= LONGEST_RING;
+        let near = ring.iter().copied().filter(|&v| v != NONE && short(v));
+        let around = || [into.0].into_iter().chain(near.clone());
         around().for_each(|v| self.count_wedges(topology, v));
         around().for_each(|v| self.refresh(topology, v));
     }
@@ -149,8 +155,10 @@ impl AttributeField {
         for (i, &v) in ring.iter().enumerate() {
             let record = self.only_record[v as usize];
             if record == NONE {
-                self.count_wedges(topology, v);
-                self.refresh(topology, v);
+                if topology.vertices[v as usize].ring_length() <= LONGEST_RING {
+                    self.count_wedges(topology, v);
+                    self.refresh(topology, v);
+                }
                 continue;
             }
             let before = if i == 0 { length - 1 } else { i - 1 };
