@@ -1,8 +1,8 @@
-// `npm run bench`: quality, speed, memory and history, side by side with other simplifiers.
+// `npm run bench`: quality, speed, memory, history and looks, side by side with other simplifiers.
 //
 //     npm run bench                              everything; ten minutes on two cores, more with MeshLab's first run
 //     npm run bench -- --quick                   a small share of each, a minute or two
-//     npm run bench -- quality speed             only these; known: quality speed memory history levels
+//     npm run bench -- quality speed             only these; known: quality speed memory history levels looks
 //     npm run bench -- --json FILE               also writes all figures there
 //
 // Deviations come from an independent meter if there is one: MESHDIST names it, or it stands in ../shared/tools.
@@ -12,6 +12,7 @@ import { writeFileSync } from 'node:fs';
 import { cpus } from 'node:os';
 import { history } from './history.mjs';
 import { levels } from './levels.mjs';
+import { looks } from './looks.mjs';
 import { memory } from './memory.mjs';
 import { quality } from './quality.mjs';
 import { speed } from './speed.mjs';
@@ -19,7 +20,7 @@ import { peerVersion, presets, ready } from './support/engines.mjs';
 import { available } from './support/models.mjs';
 import { printGoals } from './support/report.mjs';
 
-const BENCHES = { quality, speed, memory, history, levels };
+const BENCHES = { quality, speed, memory, history, levels, looks };
 
 function parse(words) {
   const options = { quick: false, json: undefined, names: [] };
@@ -47,7 +48,7 @@ const machine = `${cpus()[0]?.model ?? 'unknown processor'} × ${cpus().length},
 console.log(`${machine}, against meshoptimizer ${peerVersion}${quick ? ', quick' : ''}`);
 const setting = { presets: presets(), quick };
 const results = {};
-for (const name of names) results[name] = BENCHES[name](setting);
+for (const name of names) results[name] = await BENCHES[name](setting);
 const goals = Object.values(results).flatMap((result) => result.goals ?? []);
 if (names.length > 1 && goals.length > 0) printGoals('all goals', goals);
 if (json !== undefined) {

@@ -11,6 +11,7 @@ export type { Parts } from './parts.js';
 export type { Deviation, Report, ReportedFile, ReportedLod, SideDeviation, Timings } from './report.js';
 export type {
   AttributeArray,
+  AttributeWeights,
   Blockers,
   Compression,
   DocumentInput,

@@ -4,7 +4,7 @@ import { checkNames } from './check.js';
 import { invalidArgument } from './errors.js';
 import { errorOfPixels } from './screen.js';
 import type {
-  DocumentSimplifyOptions, LevelTargets, MeasureOptions, MeshSimplifyOptions, Preset, RunOptions, Targets,
+  AttributeWeights, DocumentSimplifyOptions, LevelTargets, MeasureOptions, MeshSimplifyOptions, Preset, RunOptions, Targets,
 } from './types.js';
 
 export { checkNames };
@@ -28,6 +28,7 @@ export interface ResolvedTargets {
 export interface SimplifyRequest extends ResolvedTargets {
   lockBorder?: boolean;
   prune?: boolean;
+  attributeWeights?: AttributeWeights;
   placement?: 'optimal' | 'subset';
   preset?: Preset;
   everyLevel?: boolean;
@@ -46,10 +47,15 @@ export const PRESETS: readonly Preset[] = ['fast', 'balanced', 'best'];
 const TARGETS = ['ratio', 'triangles', 'error'];
 
 /** Names of the options of a simplification. */
-export const SIMPLIFY_NAMES: readonly string[] = [...TARGETS, 'lockBorder', 'prune', 'placement', 'preset', 'timeBudget', 'mergeDistance', 'memoryLimit'];
+export const SIMPLIFY_NAMES: readonly string[] = [
+  ...TARGETS, 'lockBorder', 'prune', 'attributeWeights', 'placement', 'preset', 'timeBudget', 'mergeDistance', 'memoryLimit',
+];
 
 /** Names of {@link MeshSimplifyOptions}. */
 export const MESH_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'weights', 'locked'];
+
+/** Names of {@link AttributeWeights}. */
+export const WEIGHT_NAMES = ['normal', 'uv', 'color', 'morph'] as const;
 
 /** Names of {@link DocumentSimplifyOptions}. */
 export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels', 'weightAttribute', 'weightScale'];
@@ -79,7 +85,7 @@ export function isPreset(value: unknown): value is Preset {
  * is no part of the request: the engine knows no clock.
  */
 export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, scale: Scale): SimplifyRequest {
-  const { placement, preset, timeBudget, mergeDistance, memoryLimit, weightAttribute, weightScale, onProgress, signal } = options;
+  const { attributeWeights, placement, preset, timeBudget, mergeDistance, memoryLimit, weightAttribute, weightScale, onProgress, signal } = options;
   const request: SimplifyRequest = targetsOf(options, scale);
   for (const name of ['lockBorder', 'prune', 'everyLevel', 'keepLevels'] as const) {
     const value = options[name];
@@ -87,6 +93,7 @@ export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, sc
     if (typeof value !== 'boolean') throw invalidArgument(name, 'must be true or false');
     request[name] = value;
   }
+  if (attributeWeights !== undefined) request.attributeWeights = checkedWeights(attributeWeights);
   if (preset !== undefined) {
     if (!isPreset(preset)) throw invalidArgument('preset', `must be one of ${PRESETS.join(', ')}, not ${shown(preset)}`);
     request.preset = preset;
@@ -133,6 +140,18 @@ export function checkProtection({ weights, locked }: MeshSimplifyOptions, vertic
   if (locked !== undefined && !(locked instanceof Uint8Array && locked.length === vertices)) {
     throw invalidArgument('locked', `must be a Uint8Array of one number for each of the ${vertices} vertices`);
   }
+}
+
+function checkedWeights(weights: AttributeWeights): AttributeWeights {
+  checkNames(weights, WEIGHT_NAMES, 'attributeWeights');
+  for (const name of WEIGHT_NAMES) {
+    const weight = weights[name];
+    // What is no finite f32 any more would reach the engine as infinite.
+    if (weight !== undefined && !(typeof weight === 'number' && weight >= 0 && weight <= 1e6)) {
+      throw invalidArgument(`attributeWeights.${name}`, `must be a number from 0 to 1e6, not ${shown(weight)}`);
+    }
+  }
+  return weights;
 }
 
 /** Checks `options` of a measurement. */

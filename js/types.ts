@@ -154,12 +154,29 @@ export interface LevelTargets extends Targets {
   readonly view?: ScreenView | undefined;
 }
 
+/**
+ * What attributes weigh in the cost of a collapse beside positions, each as a multiple (a number ≥ 0) of a weight that
+ * is found for the model. 0: nothing is done to keep it; its values follow the vertices all the same. Default 1 for each.
+ */
+export interface AttributeWeights {
+  /** Normals, and with them the shading. */
+  readonly normal?: number | undefined;
+  /** Texture coordinates, by the length on the surface that a texture would be displaced. */
+  readonly uv?: number | undefined;
+  /** Vertex colours. */
+  readonly color?: number | undefined;
+  /** Displacements of the first eight morph targets. */
+  readonly morph?: number | undefined;
+}
+
 /** How to simplify. */
 export interface SimplifyOptions extends Targets {
   /** Open borders do not move. Default false. */
   readonly lockBorder?: boolean | undefined;
   /** Parts that are down to one triangle or tetrahedron may vanish, cheapest first; one always stays. Default false. */
   readonly prune?: boolean | undefined;
+  /** What attributes weigh; by default what looks best. */
+  readonly attributeWeights?: AttributeWeights | undefined;
   /** `'optimal'` (default) puts vertices where the error is least; `'subset'` uses only original positions. */
   readonly placement?: 'optimal' | 'subset' | undefined;
   /** Default `'balanced'`. It matters for a run to one level; one whose every level is wanted is the same with each. */

@@ -94,6 +94,9 @@ pub struct CollapseSequence {
     pub wedge_merges: WedgeMerges,
     /// Vertex of each wedge (the weld), named by one of its wedges.
     pub vertex_of_wedge: Vec<u32>,
+    /// Wedges that are the same as another of their vertex in every attribute, and which: at the first
+    /// collapse all of them merge into that one.
+    pub duplicates: Vec<(u32, u32)>,
     /// Triangles at the start, degenerate ones left out.
     pub initial_triangle_count: usize,
     /// Why the run ended.
@@ -104,6 +107,39 @@ pub struct CollapseSequence {
     /// Positions at the last level of vertices that were fitted to the original after the last
     /// collapse, named as in [`Collapse`]; often empty.
     pub fitted: Vec<(u32, [f32; 3])>,
+    /// Values of merged wedges where they do not follow from blending.
+    pub solved: SolvedValues,
+}
+
+/// Attribute values of merged wedges that were solved for together with the position. What is not
+/// among them is blended along the edge.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct SolvedValues {
+    /// By wedge set: which attributes, and where in the values of a merge each begins.
+    pub layouts: Vec<Vec<SolvedAttribute>>,
+    /// Numbers for each merge; 0 if nothing was solved.
+    pub components: usize,
+    /// `components` numbers for each wedge merge, in the order of the merges.
+    pub values: Vec<f32>,
+}
+
+/// One attribute among the values of a merge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SolvedAttribute {
+    /// Index in the attributes of the wedge set.
+    pub attribute: usize,
+    /// Its first number among those of a merge.
+    pub start: usize,
+    /// How many numbers; the attribute's components, or fewer.
+    pub length: usize,
+}
+
+impl SolvedValues {
+    /// The numbers of wedge merge number `ordinal` of all; none if nothing was solved.
+    #[must_use]
+    pub fn of(&self, ordinal: usize) -> &[f32] {
+        self.values.get(ordinal * self.components..(ordinal + 1) * self.components).unwrap_or(&[])
+    }
 }
 
 /// Triangles left after each collapse. Almost every collapse removes two; only the others are kept.
@@ -206,6 +242,13 @@ impl WedgeMerges {
         self.merges.get(start as usize..self.exceptions[at].1 as usize)
     }
 
+    /// How many merges the collapses before number `index` have.
+    #[must_use]
+    pub fn count_before(&self, index: usize) -> usize {
+        let at = self.exceptions.partition_point(|&(collapse, _)| (collapse as usize) < index);
+        index - at + at.checked_sub(1).map_or(0, |before| self.exceptions[before].1 as usize)
+    }
+
     /// Bytes on the heap.
     #[must_use]
     pub fn byte_count(&self) -> usize {
@@ -236,6 +279,9 @@ impl CollapseSequence {
     /// Bytes that the record of the collapses takes on the heap.
     #[must_use]
     pub fn record_bytes(&self) -> usize {
-        size_of_val(self.collapses.as_slice()) + self.triangle_counts.byte_count() + self.wedge_merges.byte_count()
+        size_of_val(self.collapses.as_slice())
+            + self.triangle_counts.byte_count()
+            + self.wedge_merges.byte_count()
+            + size_of_val(self.solved.values.as_slice())
     }
 }

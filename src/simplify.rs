@@ -11,6 +11,9 @@
 //! volume constraint. Sweeping in spatial order and not strictly by cost is as good on the average
 //! and several times faster, because memory is touched in order.
 
+mod attribute_layout;
+mod attribute_update;
+mod attributes;
 mod blockers;
 mod collapse;
 mod edges;
@@ -31,9 +34,13 @@ mod space;
 mod topology;
 mod vertex_kind;
 
+pub use attribute_layout::AttributeWeights;
+
 use crate::collapse_sequence::{Blockers, Collapse, CollapseSequence, StopReason};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
+use attribute_layout::Layout;
+use attributes::AttributeField;
 use collapse::Patch;
 use edges::Edges;
 use fit::Fit;
@@ -131,6 +138,8 @@ pub struct SimplifyOptions {
     pub weights: Vec<f32>,
     /// For each wedge whether its vertex neither moves nor vanishes. Empty: none. Default.
     pub locked: Vec<bool>,
+    /// What attributes weigh beside positions. Default 1 for each.
+    pub attribute_weights: AttributeWeights,
     /// Default optimal.
     pub placement: PlacementRule,
     /// Default balanced.
@@ -152,6 +161,7 @@ impl Default for SimplifyOptions {
             merge_distance: 0.0,
             weights: Vec::new(),
             locked: Vec::new(),
+            attribute_weights: AttributeWeights::default(),
             placement: PlacementRule::Optimal,
             preset: Preset::Balanced,
             memory_limit: u64::MAX,
@@ -186,6 +196,7 @@ enum Stage {
     Triangles,
     Fans,
     Rings(usize),
+    Attributes(usize),
     Sweep,
     /// After a sweep that did not reach its target: the next vertex whose edges are looked at.
     Blockers(usize),
@@ -203,6 +214,8 @@ pub struct Simplifier {
     polylines: Polylines,
     wedge_of_vertex: Vec<u32>,
     vertex_of_wedge: Vec<u32>,
+    /// Wedges that are the same as another of their vertex, and which.
+    duplicates: Vec<(u32, u32)>,
     spaces: Vec<Space>,
     part_of_vertex: Vec<u16>,
     /// For each vertex, the cost below which a visit may be worth while; infinite: never.
@@ -226,6 +239,8 @@ pub struct Simplifier {
     pairs: Pairs,
     /// A pair that no edge joins is being merged.
     pairing: bool,
+    /// None if no attribute counts.
+    attributes: Option<AttributeField>,
     edges: Edges,
     patch: Box<Patch>,
     initial_triangle_count: usize,
@@ -256,6 +271,7 @@ impl Simplifier {
             ));
         }
         protection::check(mesh, options)?;
+        options.attribute_weights.validate()?;
         memory::check(mesh, options)?;
         Ok(Self {
             options: options.clone(),
@@ -265,6 +281,7 @@ impl Simplifier {
             polylines: Polylines::default(),
             wedge_of_vertex: Vec::new(),
             vertex_of_wedge: Vec::new(),
+            duplicates: Vec::new(),
             spaces: Vec::new(),
             part_of_vertex: Vec::new(),
             keys: Vec::new(),
@@ -282,6 +299,7 @@ impl Simplifier {
             protection: Protection::default(),
             pairs: Pairs::default(),
             pairing: false,
+            attributes: None,
             edges: Edges::default(),
             patch: Box::default(),
             initial_triangle_count: 0,
@@ -303,7 +321,7 @@ impl Simplifier {
                 self.stage = Stage::Triangles;
             }
             Stage::Triangles => {
-                self.preparation.order_triangles(mesh, &self.vertex_of_wedge);
+                self.duplicates = self.preparation.order_triangles(mesh, &self.vertex_of_wedge);
                 self.stage = Stage::Fans;
             }
             Stage::Fans => {
@@ -317,7 +335,15 @@ impl Simplifier {
                 let Self { preparation, topology, polylines, keys, options, .. } = self;
                 preparation.build_rings(range, topology, polylines, keys, options.lock_border);
                 if self.stage == Stage::Sweep {
-                    self.begin_sweep();
+                    self.begin_sweep(mesh);
+                }
+            }
+            Stage::Attributes(first) => {
+                let count = self.topology.vertices.len();
+                let range = part(first, count);
+                self.stage = if range.end == count { Stage::Sweep } else { Stage::Attributes(range.end) };
+                if let Some(attributes) = &mut self.attributes {
+                    range.for_each(|v| attributes.refresh(&self.topology, v as u32));
                 }
             }
             Stage::Sweep => self.sweep(mesh, work),
@@ -356,7 +382,8 @@ impl Simplifier {
             Stage::Weld => 0.0,
             Stage::Triangles => 0.05,
             Stage::Fans => 0.08,
-            Stage::Rings(done) => 0.1 + 0.2 * done as f32 / vertices,
+            Stage::Rings(done) => 0.1 + 0.15 * done as f32 / vertices,
+            Stage::Attributes(done) => 0.25 + 0.05 * done as f32 / vertices,
             Stage::Sweep => {
                 let all = self.initial_triangle_count.max(1);
                 let gone = all - self.topology.live_triangle_count;
@@ -413,7 +440,13 @@ impl Simplifier {
         // Putting the record in order takes as much again: what is done with goes first.
         (self.topology, self.polylines) = (Topology::default(), Polylines::default());
         (self.keys, self.live, self.ready, self.again) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        self.record.finish(self.vertex_of_wedge, self.initial_triangle_count, (self.stop_reason, self.blockers), fitted)
+        self.attributes = None;
+        self.record.finish(
+            (self.vertex_of_wedge, self.duplicates),
+            self.initial_triangle_count,
+            (self.stop_reason, self.blockers),
+            fitted,
+        )
     }
 
     /// How many parts of the surface have vanished; 0 without [`SimplifyOptions::prune`].
@@ -447,7 +480,7 @@ impl Simplifier {
     }
 
     /// When the rings are there, what they were made from goes, and only then comes what the sweep needs.
-    fn begin_sweep(&mut self) {
+    fn begin_sweep(&mut self, mesh: &Mesh) {
         self.preparation = Preparation::default();
         self.protect();
         if let (true, Some(space)) = (self.options.merge_distance > 0.0, self.spaces.first()) {
@@ -463,6 +496,20 @@ impl Simplifier {
             vertex_count,
             self.options.every_level,
         );
+        self.begin_attributes(mesh);
+    }
+
+    /// Takes up the attributes that count, if there are any.
+    fn begin_attributes(&mut self, mesh: &Mesh) {
+        let spaces = &self.spaces;
+        let per_local = |part: usize| spaces[part].engine_per_local();
+        let Some(layout) = Layout::new(mesh, &self.options.attribute_weights, per_local) else { return };
+        if self.options.placement == PlacementRule::Optimal {
+            self.record.solved = layout.solved();
+        }
+        let wedges = (self.vertex_of_wedge.as_slice(), self.wedge_of_vertex.as_slice());
+        self.attributes = Some(AttributeField::new(mesh, layout, &self.topology, wedges));
+        self.stage = Stage::Attributes(0);
     }
 
     fn tuning(&self) -> Tuning {
@@ -609,12 +656,19 @@ impl Simplifier {
         if self.options.prune && self.is_last_of_part(v) {
             return self.visit_last_of_part(mesh, v);
         }
-        self.edges.gather(&self.topology, &self.polylines, self.options.placement, self.last_resort, v);
+        self.edges.gather(
+            &self.topology,
+            &self.polylines,
+            self.attributes.as_ref(),
+            self.options.placement,
+            self.last_resort,
+            v,
+        );
         if !self.pairs.is_empty() {
-            let Self { edges, topology, polylines, pairs, options, .. } = self;
+            let Self { edges, topology, polylines, attributes, pairs, options, .. } = self;
             let others = pairs.of(topology, v);
             if !others.is_empty() {
-                edges.list(topology, polylines, options.placement, self.last_resort, v);
+                edges.list(topology, polylines, attributes.as_ref(), options.placement, self.last_resort, v);
                 edges.add_pairs(topology, options.placement, &others);
             }
         }
@@ -689,6 +743,15 @@ impl Simplifier {
         self.record.push(collapse, self.topology.live_triangle_count);
         if self.topology.has_wedges() {
             self.record.push_merges(&self.patch.merges);
+        }
+        let solved = &mut self.record.solved;
+        if let (Some(attributes), true) = (&self.attributes, solved.components > 0) {
+            let plain = [(collapse.from, wedge)];
+            let merges = if self.topology.has_wedges() { &self.patch.merges[..] } else { &plain };
+            for &(_, wedge) in merges {
+                let set = self.patch.set_starts.partition_point(|&start| start <= wedge) - 1;
+                attributes.push_values((into, wedge, set), &mut solved.values);
+            }
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::document::{Document, Format, NamedFile};
 use crate::error::{Error, ErrorCode, Warning};
 use crate::lod::{self, Level, LevelMesh, Levels};
 use crate::mesh::{Attribute, Blend, Mesh};
-use crate::simplify::{PlacementRule, Preset, Simplifier, SimplifyOptions};
+use crate::simplify::{AttributeWeights, PlacementRule, Preset, Simplifier, SimplifyOptions};
 
 #[wasm_bindgen]
 extern "C" {
@@ -74,6 +74,15 @@ struct AttributeRequest {
 }
 
 #[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct WeightRequest {
+    normal: Option<f32>,
+    uv: Option<f32>,
+    color: Option<f32>,
+    morph: Option<f32>,
+}
+
+#[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", deny_unknown_fields, default)]
 struct SimplifyRequest {
     triangles: Option<f64>,
@@ -82,6 +91,7 @@ struct SimplifyRequest {
     error_relative: Option<f64>,
     lock_border: bool,
     prune: bool,
+    attribute_weights: WeightRequest,
     placement: Option<String>,
     preset: Option<String>,
     every_level: bool,
@@ -94,6 +104,18 @@ struct SimplifyRequest {
     merge_distance: f32,
     /// Bytes.
     memory_limit: Option<f64>,
+}
+
+impl WeightRequest {
+    fn weights(&self) -> AttributeWeights {
+        let automatic = AttributeWeights::default();
+        AttributeWeights {
+            normal: self.normal.unwrap_or(automatic.normal),
+            texture: self.uv.unwrap_or(automatic.texture),
+            color: self.color.unwrap_or(automatic.color),
+            morph: self.morph.unwrap_or(automatic.morph),
+        }
+    }
 }
 
 impl SimplifyRequest {
@@ -156,6 +178,7 @@ impl SimplifyRequest {
             max_error: max_error as f32,
             lock_border: self.lock_border,
             prune: self.prune,
+            attribute_weights: self.attribute_weights.weights(),
             placement,
             preset,
             every_level: self.every_level,

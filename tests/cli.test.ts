@@ -243,6 +243,8 @@ describe('wrong usage', () => {
     ['an error in a unknown unit', ['in.glb', '-o', 'out.glb', '-e', '3mm'], '--error'],
     ['an unknown option', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--fast'], 'arguments'],
     ['an unknown placement', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--placement', 'best'], '--placement'],
+    ['an unknown weight', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--attribute-weights', 'uv=1,uw=2'], '--attribute-weights'],
+    ['a broken weight', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--attribute-weights', 'uv=much'], '--attribute-weights'],
     ['an unknown preset', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--preset', 'turbo'], '--preset'],
     ['a broken time budget', ['in.glb', '-o', 'out.glb', '-r', '0.5', '--time-budget', '1s'], '--time-budget'],
     ['a time budget alone', ['in.glb', '-o', 'out.glb', '--time-budget', '100'], 'options'],

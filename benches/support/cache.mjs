@@ -19,13 +19,25 @@ export function digest(...parts) {
 
 /** The value kept under `key` (a digest), or that of `compute`, which is kept then. It must survive JSON. */
 export function cached(key, compute) {
-  const file = join(directory, `${key}.json`);
+  return lookUp(key) ?? keep(key, compute());
+}
+
+/** As `cached`, for a `compute` that takes its time. */
+export async function cachedAsync(key, compute) {
+  return lookUp(key) ?? keep(key, await compute());
+}
+
+function lookUp(key) {
   try {
-    return JSON.parse(readFileSync(file, 'utf8'));
+    return JSON.parse(readFileSync(join(directory, `${key}.json`), 'utf8'));
   } catch {
     // Absent, or cut off by a full disk: computed again either way.
+    return undefined;
   }
-  const value = compute();
+}
+
+function keep(key, value) {
+  const file = join(directory, `${key}.json`);
   mkdirSync(directory, { recursive: true });
   // Written aside and renamed, so that two runs at once never read half a file.
   const aside = `${file}.${process.pid}`;

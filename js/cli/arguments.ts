@@ -2,9 +2,9 @@
 
 import { parseArgs, type ParseArgsConfig } from 'node:util';
 import { DecimeshError } from '../errors.js';
-import { PRESETS, isPreset } from '../options.js';
+import { PRESETS, WEIGHT_NAMES, isPreset } from '../options.js';
 import { COMPRESSIONS, isCompression } from '../formats.js';
-import type { Compression, DocumentSimplifyOptions } from '../types.js';
+import type { AttributeWeights, Compression, DocumentSimplifyOptions } from '../types.js';
 
 /** Files to simplify, and how. */
 export interface Job {
@@ -50,6 +50,7 @@ How far (name one; of several, the first that is reached stops):
 
 How:
   --placement RULE     optimal (default): new vertex positions; subset: only original ones
+  --attribute-weights NAME=W,…  what normal, uv, color, morph weigh, as multiples of the found weights; 0: nothing
   --lock-border        open borders do not move
   --prune              parts that are down to a triangle may vanish
   --merge-distance D   separate parts of a mesh nearer than this may merge; as --error, default 0
@@ -79,6 +80,7 @@ const OPTIONS = {
   error: { type: 'string', short: 'e' },
   size: { type: 'string', short: 's' },
   lods: { type: 'string' },
+  'attribute-weights': { type: 'string' },
   placement: { type: 'string' },
   preset: { type: 'string' },
   'time-budget': { type: 'string' },
@@ -160,6 +162,7 @@ function simplifyOptions(values: Values, lods: readonly number[] | undefined): D
     ...(lods === undefined && size === undefined ? {} : { everyLevel: true }),
     triangles: number('--triangles', triangles, 'an integer of at least 0', Number.isSafeInteger),
     error: lengthOf('--error', error),
+    attributeWeights: attributeWeights(values['attribute-weights']),
     placement,
     preset,
     timeBudget: number('--time-budget', values['time-budget'], 'a number of milliseconds of at least 0', () => true),
@@ -169,6 +172,20 @@ function simplifyOptions(values: Values, lods: readonly number[] | undefined): D
     weightAttribute: values['weight-attribute'],
     weightScale: number('--weight-scale', values['weight-scale'], 'a number of at least 0', () => true),
   };
+}
+
+function attributeWeights(text: string | undefined): AttributeWeights | undefined {
+  if (text === undefined) return undefined;
+  const option = '--attribute-weights';
+  const weights = text.split(',').map((item) => {
+    const [name = '', weight] = item.split('=');
+    const known = WEIGHT_NAMES.find((one) => one === name);
+    if (known === undefined || weight === undefined) {
+      throw usage(option, `must be a list such as normal=2,uv=0 of ${WEIGHT_NAMES.join(', ')}, not '${text}'`);
+    }
+    return [known, number(option, weight, 'numbers from 0 to 1e6', (value) => value <= 1e6)];
+  });
+  return Object.fromEntries(weights) as AttributeWeights;
 }
 
 // Nothing but digits, a point and an exponent: Number() alone would take '' and '0x10'.

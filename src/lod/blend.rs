@@ -2,6 +2,7 @@
 
 use super::segment::Source;
 use super::versions::Moves;
+use crate::collapse_sequence::{SolvedAttribute, SolvedValues};
 use crate::mesh::weld::NO_VERTEX;
 use crate::mesh::{Attribute, Blend, Mesh};
 
@@ -12,6 +13,8 @@ struct Blending {
     from: u32,
     into: u32,
     parameter: f32,
+    /// Which of the sequence's solved values replace those that were blended.
+    solved: u32,
 }
 
 /// The values of wedges that change in a segment.
@@ -63,11 +66,12 @@ impl BlendRun {
     }
 
     /// Does about `work` more. Returns whether all are done.
-    pub(super) fn step(&mut self, work: usize) -> bool {
+    pub(super) fn step(&mut self, solved: &SolvedValues, work: usize) -> bool {
         let start = self.done.len();
         let end = self.todo.len().min(start.saturating_add(work));
         for b in &self.todo[start..end] {
             self.attributes.blend(b.from, b.into, b.parameter);
+            self.attributes.replace(b.into, solved.of(b.solved as usize), &solved.layouts);
             self.done.push((b.into, b.time, self.values.len() as u32));
             self.attributes.copy_values(b.into, &mut self.values);
         }
@@ -122,17 +126,20 @@ fn blends(
     let mut positions = at_first.to_vec();
     let mut blends = Vec::new();
     let collapses = sequence.collapses[first..first + length].iter();
+    let mut solved = sequence.wedge_merges.count_before(first) as u32;
     for ((collapse, merges), time) in collapses.zip(sequence.merges_from(first)).zip(1..) {
-        let (Some(from), Some(into)) = (vertex(collapse.from), vertex(collapse.into)) else { continue };
-        let parameter = edge_parameter(positions[from], positions[into], collapse.position);
-        positions[into] = collapse.position;
-        if parameter >= 1.0 {
-            continue;
+        let mut parameter = 1.0;
+        if let (Some(from), Some(into)) = (vertex(collapse.from), vertex(collapse.into)) {
+            parameter = edge_parameter(positions[from], positions[into], collapse.position);
+            positions[into] = collapse.position;
         }
         for (from, into) in merges {
-            if let (Some(from), Some(into)) = (wedge(from), wedge(into)) {
-                blends.push(Blending { time, from: from as u32, into: into as u32, parameter });
+            if (parameter < 1.0 || sequence.solved.components > 0)
+                && let (Some(from), Some(into)) = (wedge(from), wedge(into))
+            {
+                blends.push(Blending { time, from: from as u32, into: into as u32, parameter, solved });
             }
+            solved += 1;
         }
     }
     blends
@@ -166,6 +173,34 @@ impl WedgeAttributes {
 
     fn set_of(&self, wedge: u32) -> usize {
         if self.starts.len() == 1 { 0 } else { self.starts.partition_point(|&s| s <= wedge as usize) - 1 }
+    }
+
+    /// Gives wedge `into` the solved values that are not blended, and its tangents a right angle to
+    /// the normal.
+    fn replace(&mut self, into: u32, values: &[f32], layouts: &[Vec<SolvedAttribute>]) {
+        if values.is_empty() {
+            return;
+        }
+        let set = self.set_of(into);
+        let (into, attributes) = (into as usize - self.starts[set], &mut self.sets[set]);
+        let mut normal = None;
+        for &SolvedAttribute { attribute, start, length } in layouts.get(set).into_iter().flatten() {
+            let attribute = &mut attributes[attribute];
+            let at = into * attribute.components;
+            attribute.values[at..at + length].copy_from_slice(&values[start..start + length]);
+            if let (Blend::Direction, &[x, y, z]) = (attribute.blend, &values[start..start + length]) {
+                normal = Some([x, y, z]);
+            }
+        }
+        let Some(normal) = normal else { return };
+        for tangents in attributes.iter_mut().filter(|a| a.blend == Blend::Tangent && a.components >= 3) {
+            let at = into * tangents.components;
+            let tangent = &mut tangents.values[at..at + 3];
+            let before = [tangent[0], tangent[1], tangent[2]];
+            let along: f32 = tangent.iter().zip(normal).map(|(t, n)| t * n).sum();
+            tangent.iter_mut().zip(normal).for_each(|(t, n)| *t -= along * n);
+            normalise(tangent, &before);
+        }
     }
 
     /// Appends the values of a wedge, those of each attribute after the other.

@@ -51,6 +51,9 @@ impl History {
                 self.versions.count(collapse.into);
             }
             if !plain {
+                if start == 0 && self.count > 0 {
+                    sequence.duplicates.iter().for_each(|&(from, into)| self.wedges.merge(from, into, 1));
+                }
                 for (merges, time) in sequence.merges_from(start).take(end - start).zip(start as u32 + 1..) {
                     merges.for_each(|(from, into)| self.wedges.merge(from, into, time));
                 }

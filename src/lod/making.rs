@@ -120,7 +120,7 @@ impl Making {
             }
             Table::Blending(run) => {
                 // What one takes is a matter of memory and many attributes, not of one entry.
-                if run.step(work / ENTRIES_OF_BLEND + 1)
+                if run.step(&source.sequence.solved, work / ENTRIES_OF_BLEND + 1)
                     && let Table::Blending(run) = std::mem::replace(&mut self.next, Table::None)
                 {
                     segment.blends = run.finish(segment.lasts.len());

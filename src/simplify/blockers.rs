@@ -27,7 +27,14 @@ impl Simplifier {
                 continue;
             }
             work += 2 + neighbours.len();
-            self.edges.list(&self.topology, &self.polylines, self.options.placement, self.last_resort, v);
+            self.edges.list(
+                &self.topology,
+                &self.polylines,
+                self.attributes.as_ref(),
+                self.options.placement,
+                self.last_resort,
+                v,
+            );
             let edges: Vec<_> = self.edges.iter().collect();
             for &w in &neighbours {
                 // An edge may be there once for each of its ends; it is free if one of them is.

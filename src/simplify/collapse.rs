@@ -4,14 +4,15 @@
 //! rings: every vertex around them is read once and written once. All other pairs go through
 //! lists of triangles, which bear any soup.
 
-use super::Simplifier;
+use super::attribute_update::Spliced;
 use super::lanes::{Lanes, Lanes3, WIDTH};
 use super::legality::{self, Refusal};
 use super::placement::Placement;
 use super::polylines::Polylines;
-use super::quadric::{Quadric, QuadricLanes, Vec3};
-use super::topology::{Corner, Form, RingBuilder, Topology};
+use super::quadric::{Quadric, QuadricLanes, Vec3, smaller};
+use super::topology::{Corner, Form, RingBuilder, Topology, Vertex};
 use super::vertex_kind::VertexKind;
+use super::{PlacementRule, Simplifier};
 
 /// Longest merged ring that is spliced in place.
 const CAPACITY: usize = 64;
@@ -75,31 +76,33 @@ impl Simplifier {
     /// Collapses the edge if it is legal: `from` vanishes, `into` moves to the placement.
     #[inline(always)]
     pub(super) fn try_collapse(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
-        let error_squared = self.admit(from, into, placement.cost)?;
+        let error_squared = self.admit(from, into, placement)?;
         let (a, b) = (&self.topology.vertices[from as usize], &self.topology.vertices[into as usize]);
         let (kind_from, kind_into) = (a.kind, b.kind);
         let spliced = a.form() == Form::Closed
             && b.form() == Form::Closed
             && a.ring_length() + b.ring_length() <= CAPACITY
             && kind_from < VertexKind::Corner;
-        let (old_from, old_into) = (a.position(), b.position());
+        let (old_from, old_into, length_from) = (a.position(), b.position(), a.ring_length());
         let quadric =
             if spliced { self.splice(from, into, placement)? } else { self.merge_any(from, into, placement)? };
         self.settle_at(into, placement.position, &quadric, error_squared);
         if kind_from > VertexKind::Manifold || kind_into > VertexKind::Manifold {
             self.update_lines((from, old_from), (into, old_into));
         }
+        self.follow_attributes(spliced.then(|| length_from - 2), (from, old_from), (into, old_into));
         Ok(())
     }
 
     /// As [`Simplifier::try_collapse`] for two vertices that no edge joins.
     #[inline(never)]
     pub(super) fn try_merge(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
-        let error_squared = self.admit(from, into, placement.cost)?;
+        let error_squared = self.admit(from, into, placement)?;
         let [old_from, old_into] = [from, into].map(|v| self.topology.vertices[v as usize].position());
         let quadric = self.merge_any(from, into, placement)?;
         self.settle_at(into, placement.position, &quadric, error_squared);
         self.update_lines((from, old_from), (into, old_into));
+        self.follow_attributes(None, (from, old_from), (into, old_into));
         Ok(())
     }
 
@@ -114,7 +117,8 @@ impl Simplifier {
 
     /// What can be said before the rings are looked at. Returns the squared error that the merged vertex has.
     #[inline(always)]
-    fn admit(&mut self, from: u32, into: u32, cost: f32) -> Result<f32, Refusal> {
+    fn admit(&mut self, from: u32, into: u32, placement: Placement) -> Result<f32, Refusal> {
+        let Placement { position, cost } = placement;
         // The error is that of the surface, however dear it was made.
         let cost = if self.protection.is_empty() { cost } else { cost / self.protection.factor(from, into) };
         let length = |v: u32| self.topology.vertices[v as usize].ring_length();
@@ -132,14 +136,36 @@ impl Simplifier {
             return Err(Refusal::Lines);
         }
         let weight = a.quadric().trace() + b.quadric().trace();
+        let cost = match &self.attributes {
+            // What attributes add is no deviation.
+            Some(_) => {
+                let end = |v: &Vertex| v.quadric().error_at(position - v.position());
+                smaller(end(a) + end(b), cost)
+            }
+            None => cost,
+        };
         let step = if weight > 0.0 { cost / weight } else { 0.0 };
         let error_squared = if a.error_squared > b.error_squared { a.error_squared } else { b.error_squared } + step;
         if error_squared > self.max_error_squared { Err(Refusal::Error) } else { Ok(error_squared) }
     }
 
+    /// Gives attributes what follows from a collapse that is done.
+    #[inline(always)]
+    fn follow_attributes(&mut self, split: Option<usize>, from: (u32, Vec3), into: (u32, Vec3)) {
+        let Some(attributes) = &mut self.attributes else { return };
+        let Patch { ring, merges, .. } = &*self.patch;
+        let spliced = split.map(|split| {
+            let ring = &ring[..self.topology.vertices[into.0 as usize].ring_length()];
+            Spliced { ring, split }
+        });
+        let solve = self.options.placement == PlacementRule::Optimal;
+        attributes.follow(&self.topology, spliced, merges, (from, into), solve);
+    }
+
     /// As [`Simplifier::try_collapse`], without doing it.
     pub(super) fn inspect(&mut self, from: u32, into: u32, placement: Placement) -> Result<(), Refusal> {
-        self.admit(from, into, placement.cost * self.protection.factor(from, into))?;
+        let cost = placement.cost * self.protection.factor(from, into);
+        self.admit(from, into, Placement { cost, ..placement })?;
         self.inspect_any(from, into, placement).map(|_| ())
     }
 

@@ -1,6 +1,7 @@
 //! The edges at a vertex: where each may be merged, and what that costs.
 
 use super::PlacementRule;
+use super::attributes::AttributeField;
 use super::lanes::{Lanes, Lanes3, WIDTH};
 use super::placement::{self, Placement, Placements};
 use super::polylines::Polylines;
@@ -35,6 +36,7 @@ impl Edges {
         &mut self,
         topology: &Topology,
         polylines: &Polylines,
+        attributes: Option<&AttributeField>,
         rule: PlacementRule,
         last_resort: bool,
         v: u32,
@@ -50,9 +52,9 @@ impl Edges {
             && ring.iter().all(|&w| topology.vertices[w as usize].kind == VertexKind::Manifold);
         if free {
             // The usual case, without a look at each pair of kinds.
-            self.solve(topology, v, ring);
+            self.solve(topology, attributes, v, ring);
         } else {
-            self.gather_by_kind(topology, polylines, rule, last_resort, v);
+            self.gather_by_kind(topology, polylines, attributes, rule, last_resort, v);
         }
     }
 
@@ -60,6 +62,7 @@ impl Edges {
         &mut self,
         topology: &Topology,
         polylines: &Polylines,
+        attributes: Option<&AttributeField>,
         rule: PlacementRule,
         last_resort: bool,
         v: u32,
@@ -76,13 +79,14 @@ impl Edges {
             }
             let other = &topology.vertices[w as usize];
             let freedom = vertex_kind::freedom(own.kind, other.kind, last_resort, || polylines.of(v).contains(&w));
+            let beside = |p: Vec3| attributes.map_or(0.0, |a| a.cost_at(topology, v, w, p));
             let at_own = || Placement {
                 position: own.position(),
-                cost: other.quadric().error_at(own.position() - other.position()),
+                cost: other.quadric().error_at(own.position() - other.position()) + beside(own.position()),
             };
             let at_other = || Placement {
                 position: other.position(),
-                cost: own.quadric().error_at(other.position() - own.position()),
+                cost: own.quadric().error_at(other.position() - own.position()) + beside(other.position()),
             };
             let (freedom, placement) = match freedom {
                 Freedom::Forbidden => continue,
@@ -109,7 +113,7 @@ impl Edges {
             self.listed.push((NONE, Freedom::Forbidden));
         }
         self.listed.extend(solved.iter().map(|&w| (w, Freedom::Anywhere)));
-        self.solve(topology, v, &solved);
+        self.solve(topology, attributes, v, &solved);
         self.solved = solved;
     }
 
@@ -126,7 +130,11 @@ impl Edges {
 
     /// Solves the edges from `v` to each of `neighbours`, four at a time.
     #[inline(always)]
-    fn solve(&mut self, topology: &Topology, v: u32, neighbours: &[u32]) {
+    fn solve(&mut self, topology: &Topology, attributes: Option<&AttributeField>, v: u32, neighbours: &[u32]) {
+        if let Some(attributes) = attributes {
+            self.solve_with(topology, attributes, v, neighbours);
+            return;
+        }
         let own = &topology.vertices[v as usize];
         // The lines of borders and seams have no area vectors; among them nothing is a tip.
         let planes = own.kind == VertexKind::Manifold;
@@ -140,6 +148,31 @@ impl Edges {
             let (v, b) = QuadricLanes::gather(others);
             let b = if planes { placement::stiffened(&b) } else { b };
             let mut found = placement::solve(u, &a, v, &b);
+            let counts = Lanes::new(Lanes::INDEX).at_most(last);
+            found.cost = Lanes::select(counts, found.cost, Lanes::splat(f32::INFINITY));
+            last = last - Lanes::splat(WIDTH as f32);
+            self.placements.push(found);
+        }
+    }
+
+    /// As [`Edges::solve`], with the attributes in the cost.
+    #[inline(never)]
+    fn solve_with(&mut self, topology: &Topology, attributes: &AttributeField, v: u32, neighbours: &[u32]) {
+        let own = &topology.vertices[v as usize];
+        let planes = own.kind == VertexKind::Manifold;
+        let a = QuadricLanes::splat(&own.quadric());
+        let mut a = if planes { placement::stiffened(&a) } else { a };
+        a.add(&attributes.matrices([v; WIDTH]));
+        let u = Lanes3::splat(own.position());
+        let mut last = Lanes::splat(neighbours.len() as f32 - 0.5);
+        for four in neighbours.chunks(WIDTH) {
+            let others: [u32; WIDTH] = std::array::from_fn(|k| four[if k < four.len() { k } else { 0 }]);
+            let (position, b) = QuadricLanes::gather(others.map(|w| &topology.vertices[w as usize].packed));
+            let mut b = if planes { placement::stiffened(&b) } else { b };
+            b.add(&attributes.matrices(others));
+            let h = (position - u).scale(Lanes::splat(0.5));
+            let mismatch = attributes.mismatch(topology, v, others, h);
+            let mut found = placement::solve_with(u, &a, position, &b, &mismatch);
             let counts = Lanes::new(Lanes::INDEX).at_most(last);
             found.cost = Lanes::select(counts, found.cost, Lanes::splat(f32::INFINITY));
             last = last - Lanes::splat(WIDTH as f32);
@@ -178,6 +211,7 @@ impl Edges {
         &mut self,
         topology: &Topology,
         polylines: &Polylines,
+        attributes: Option<&AttributeField>,
         rule: PlacementRule,
         last_resort: bool,
         v: u32,
@@ -185,7 +219,7 @@ impl Edges {
         self.listed.clear();
         self.placements.clear();
         self.vertex = v;
-        self.gather_by_kind(topology, polylines, rule, last_resort, v);
+        self.gather_by_kind(topology, polylines, attributes, rule, last_resort, v);
     }
 
     /// After [`Edges::list`], adds pairs of the vertex and others that no edge joins, at their midpoint or an end.

@@ -4,6 +4,7 @@
 //! vertex takes 64 bytes and its ring 32, a triangle 24 while the rings are made, an entry of the record 24.
 
 use super::SimplifyOptions;
+use super::attribute_layout::Layout;
 use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
 
@@ -39,9 +40,18 @@ pub fn estimate_bytes(mesh: &Mesh, options: &SimplifyOptions) -> u64 {
     let left = options.target_triangle_count.max(1) as f64;
     let samples = triangles.min(left * options.preset.tuning().fit_samples as f64);
     let fit = names + 84.0 * vertices + 4.0 * wedges + 1.3 * pool + record + 28.0 * samples;
+    let attributes = attribute_bytes(mesh, options, vertices, wanted);
     let pairs = if options.merge_distance > 0.0 { 96.0 * vertices } else { 0.0 };
     let most = weld.max(prepared + 72.0 * vertices + pool).max(sweep).max(order).max(fit);
-    (1.05 * most + pairs + protection + OTHER_BYTES) as u64
+    (1.05 * most + attributes + pairs + protection + OTHER_BYTES) as u64
+}
+
+/// Bytes of the attributes that count: by wedge and number a value with its gradient, by vertex a matrix, and in the
+/// record the solved values, in a list that doubles.
+fn attribute_bytes(mesh: &Mesh, options: &SimplifyOptions, vertices: f64, wanted: f64) -> f64 {
+    let Some(layout) = Layout::new(mesh, &options.attribute_weights, |_| 1.0) else { return 0.0 };
+    let (wedges, numbers) = (mesh.positions.len() as f64, layout.solved().components as f64);
+    wedges * (16.0 * numbers + 8.0) + 40.0 * vertices + 12.0 * numbers * wedges.min(1.4 * wanted)
 }
 
 /// `too-large` if the estimate is above the limit.

@@ -6,6 +6,7 @@
 //! slides towards the midpoint instead of running away. The edges of a vertex are solved four at
 //! a time.
 
+use super::attributes::Mismatch;
 use super::lanes::{Lanes, Lanes3};
 use super::quadric::{QuadricLanes, Vec3};
 
@@ -74,27 +75,77 @@ impl Placements {
 /// planes alone.
 #[inline(always)]
 pub(super) fn solve(u: Lanes3, a: &QuadricLanes, v: Lanes3, b: &QuadricLanes) -> Placements {
+    solve_with(u, a, v, b, &())
+}
+
+/// What a cost has beside the quadrics of the two ends: xᵀ M x + 2 r·x + c, with x relative to the
+/// midpoint. Nothing at all, `()`, costs nothing.
+pub(super) trait Beside {
+    /// Adds M.
+    fn add_matrix(&self, to: [Lanes; 6]) -> [Lanes; 6];
+    /// `right` less r.
+    fn pull(&self, right: Lanes3) -> Lanes3;
+    /// `cost` and all three terms at `x`.
+    fn add_cost(&self, cost: Lanes, x: Lanes3) -> Lanes;
+}
+
+impl Beside for () {
+    #[inline(always)]
+    fn add_matrix(&self, to: [Lanes; 6]) -> [Lanes; 6] {
+        to
+    }
+    #[inline(always)]
+    fn pull(&self, right: Lanes3) -> Lanes3 {
+        right
+    }
+    #[inline(always)]
+    fn add_cost(&self, cost: Lanes, _: Lanes3) -> Lanes {
+        cost
+    }
+}
+
+impl Beside for Mismatch {
+    #[inline(always)]
+    fn add_matrix(&self, [xx, xy, xz, yy, yz, zz]: [Lanes; 6]) -> [Lanes; 6] {
+        let m = &self.matrix;
+        [xx + m.xx, xy + m.xy, xz + m.xz, yy + m.yy, yz + m.yz, zz + m.zz]
+    }
+    #[inline(always)]
+    fn pull(&self, right: Lanes3) -> Lanes3 {
+        right - self.linear
+    }
+    #[inline(always)]
+    fn add_cost(&self, cost: Lanes, x: Lanes3) -> Lanes {
+        let twice = self.linear + self.linear;
+        cost + (x.dot(self.matrix.apply(x)) + twice.dot(x) + self.constant).max(Lanes::splat(0.0))
+    }
+}
+
+/// As [`solve`], with more to the cost.
+#[inline(always)]
+pub(super) fn solve_with(u: Lanes3, a: &QuadricLanes, v: Lanes3, b: &QuadricLanes, beside: &impl Beside) -> Placements {
     let half = Lanes::splat(0.5);
     let h = (v - u).scale(half);
     let (gu, gv) = (a.g, b.g);
     let r = (a.xx + b.xx + a.yy + b.yy + a.zz + b.zz) * Lanes::splat(REGULARISATION);
+    let [xx, xy, xz, yy, yz, zz] =
+        beside.add_matrix([a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz]);
     // S = Aᵤ + Aᵥ + r I = L D Lᵀ. Its true pivots are at least r; rounding may not push them below.
     let least = r * half;
     let one = Lanes::splat(1.0);
-    let (xy, xz, yz) = (a.xy + b.xy, a.xz + b.xz, a.yz + b.yz);
-    let inverse_d1 = one / (a.xx + b.xx + r);
+    let inverse_d1 = one / (xx + r);
     let (l21, l31) = (xy * inverse_d1, xz * inverse_d1);
-    let inverse_d2 = one / (a.yy + b.yy + r - l21 * xy).max(least);
+    let inverse_d2 = one / (yy + r - l21 * xy).max(least);
     let m32 = yz - l31 * xy;
     let l32 = m32 * inverse_d2;
-    let inverse_d3 = one / (a.zz + b.zz + r - l31 * xz - l32 * m32).max(least);
+    let inverse_d3 = one / (zz + r - l31 * xz - l32 * m32).max(least);
     let solve = |w: Lanes3| {
         let y = w.y - l21 * w.x;
         let z = (w.z - l31 * w.x - l32 * y) * inverse_d3;
         let y = y * inverse_d2 - l32 * z;
         Lanes3 { x: w.x * inverse_d1 - l21 * y - l31 * z, y, z }
     };
-    let free = solve(b.apply(h) - a.apply(h));
+    let free = solve(beside.pull(b.apply(h) - a.apply(h)));
     let g = gu + gv;
     let along = solve(g);
     let curvature = g.dot(along);
@@ -108,6 +159,7 @@ pub(super) fn solve(u: Lanes3, a: &QuadricLanes, v: Lanes3, b: &QuadricLanes) ->
     let x = Lanes3::select(kept.dot(kept).at_most(limit), kept, free);
     let (from_u, from_v) = (x + h, x - h);
     let cost = (from_u.dot(a.apply(from_u)) + from_v.dot(b.apply(from_v))).max(zero);
+    let cost = beside.add_cost(cost, x);
     Placements { position: u + from_u, cost }
 }
 

@@ -71,7 +71,9 @@ impl Preparation {
     }
 
     /// Triangles in the order of their lowest vertex, for the same locality as the vertices.
-    pub(super) fn order_triangles(&mut self, mesh: &Mesh, vertex_of_wedge: &[u32]) {
+    /// Returns the wedges that are the same as another of their vertex, which stands for them from
+    /// here on.
+    pub(super) fn order_triangles(&mut self, mesh: &Mesh, vertex_of_wedge: &[u32]) -> Vec<(u32, u32)> {
         let weld = &self.weld;
         let vertex = |w: u32| weld.vertex_of_wedge[w as usize];
         let proper = |t: &[u32; 3]| {
@@ -87,8 +89,16 @@ impl Preparation {
             starts[i] += starts[i - 1];
         }
         let count = starts.last().copied().unwrap_or(0) as usize;
-        let several_wedges =
-            weld.wedge_of_vertex.len() < weld.vertex_of_wedge.iter().filter(|&&v| v != NO_VERTEX).count();
+        let used = weld.vertex_of_wedge.iter().filter(|&&v| v != NO_VERTEX).count();
+        let more_wedges = used - weld.wedge_of_vertex.len();
+        let duplicates = if more_wedges > 0 { chart::duplicates(mesh, vertex_of_wedge) } else { Vec::new() };
+        let several_wedges = more_wedges > duplicates.len();
+        let mut kept: Vec<u32> = if several_wedges { (0..mesh.positions.len() as u32).collect() } else { Vec::new() };
+        if several_wedges {
+            for &(wedge, same) in &duplicates {
+                kept[wedge as usize] = same;
+            }
+        }
         let several_groups = mesh.groups.len() > 1;
         let mut triangles = vec![[0; 3]; count];
         if several_wedges {
@@ -104,7 +114,7 @@ impl Preparation {
                 *start += 1;
                 triangles[slot] = t.map(vertex);
                 if several_wedges {
-                    self.wedges[slot] = *t;
+                    self.wedges[slot] = t.map(|w| kept[w as usize]);
                 }
                 if several_groups {
                     self.groups[slot] = g as u32;
@@ -117,6 +127,7 @@ impl Preparation {
         if several_wedges {
             self.charts = chart::charts(mesh, vertex_of_wedge);
         }
+        duplicates
     }
 
     /// The triangles at each vertex: counted, summed, filled.

@@ -334,6 +334,17 @@ impl QuadricLanes {
         };
     }
 
+    /// Adds the matrix of `o` and not its area vectors.
+    #[inline(always)]
+    pub(super) fn add(&mut self, o: &Self) {
+        self.xx = self.xx + o.xx;
+        self.xy = self.xy + o.xy;
+        self.xz = self.xz + o.xz;
+        self.yy = self.yy + o.yy;
+        self.yz = self.yz + o.yz;
+        self.zz = self.zz + o.zz;
+    }
+
     #[inline(always)]
     pub(super) fn minus(&self, o: &Self) -> Self {
         Self {

@@ -5,7 +5,9 @@
 //! afterwards: the coarse, spatial order of the sweeps leaves no trace, and every level is as good
 //! as if it had been the target.
 
-use crate::collapse_sequence::{Blockers, Collapse, CollapseSequence, StopReason, TriangleCounts, WedgeMerges};
+use crate::collapse_sequence::{
+    Blockers, Collapse, CollapseSequence, SolvedValues, StopReason, TriangleCounts, WedgeMerges,
+};
 
 /// Collapses in the order they are done.
 #[derive(Debug, Default)]
@@ -14,6 +16,8 @@ pub(super) struct Record {
     /// Triangles left after each collapse.
     triangle_counts: TriangleCounts,
     wedge_merges: WedgeMerges,
+    /// Values of the merged wedges, if they are solved for.
+    pub(super) solved: SolvedValues,
     /// Rank of each collapse, and of the last one at each vertex; empty when only the end matters.
     ranks: Vec<f32>,
     rank_at: Vec<f32>,
@@ -63,7 +67,7 @@ impl Record {
     /// The finished sequence: in order of rank if there are ranks, errors as a running maximum.
     pub(super) fn finish(
         self,
-        vertex_of_wedge: Vec<u32>,
+        (vertex_of_wedge, duplicates): (Vec<u32>, Vec<(u32, u32)>),
         initial_triangle_count: usize,
         (stop_reason, blockers): (StopReason, Blockers),
         fitted: Vec<(u32, [f32; 3])>,
@@ -73,10 +77,12 @@ impl Record {
             triangle_counts: self.triangle_counts,
             wedge_merges: self.wedge_merges,
             vertex_of_wedge,
+            duplicates,
             initial_triangle_count,
             stop_reason,
             blockers,
             fitted,
+            solved: self.solved,
         };
         if !self.rank_at.is_empty() {
             let mut order: Vec<(u32, u32)> = self.ranks.iter().zip(0..).map(|(rank, i)| (rank.to_bits(), i)).collect();
@@ -98,11 +104,15 @@ fn reorder(sequence: &mut CollapseSequence, order: impl Iterator<Item = usize>) 
     let mut collapses = Vec::with_capacity(sequence.collapses.len());
     let mut counts = TriangleCounts::new(left);
     let mut merges = WedgeMerges::default();
+    let mut values = Vec::with_capacity(sequence.solved.values.len());
     for i in order {
         let collapse = sequence.collapses[i];
         if let Some(unusual) = sequence.wedge_merges.unusual(i) {
             merges.push(collapses.len(), (collapse.from, collapse.into), unusual);
         }
+        let components = sequence.solved.components;
+        let [first, end] = [i, i + 1].map(|i| sequence.wedge_merges.count_before(i) * components);
+        values.extend_from_slice(&sequence.solved.values[first..end]);
         left -= sequence.triangle_counts.after(i) - sequence.triangle_counts.after(i + 1);
         collapses.push(collapse);
         counts.push(left);
@@ -110,4 +120,5 @@ fn reorder(sequence: &mut CollapseSequence, order: impl Iterator<Item = usize>) 
     sequence.collapses = collapses;
     sequence.triangle_counts = counts;
     sequence.wedge_merges = merges;
+    sequence.solved.values = values;
 }

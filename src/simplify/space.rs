@@ -45,6 +45,10 @@ impl Space {
             .collect()
     }
 
+    pub(super) fn engine_per_local(self) -> f64 {
+        self.engine_per_local
+    }
+
     pub(super) fn to_engine(self, p: [f32; 3]) -> Vec3 {
         let coordinate = |k: usize| ((f64::from(p[k]) - self.centre[k]) * self.engine_per_local) as f32;
         Vec3 { x: coordinate(0), y: coordinate(1), z: coordinate(2) }

@@ -18,10 +18,18 @@ pub fn extract(mesh: &Mesh, sequence: &CollapseSequence, level: Level) -> LevelM
     // Parents of vertices and of wedges, both named by wedges; the same when each has one.
     let mut vertex_parent: Vec<u32> = (0..positions.len() as u32).collect();
     let mut wedge_parent = vertex_parent.clone();
+    if count > 0 {
+        for &(wedge, same) in &sequence.duplicates {
+            wedge_parent[wedge as usize] = same;
+        }
+    }
+    let mut ordinal = 0;
     for (collapse, merges) in collapses.iter().zip(sequence.merges_from(0)) {
         let t = edge_parameter(positions[collapse.from as usize], positions[collapse.into as usize], collapse.position);
         for (from, into) in merges {
             attributes.blend(from, into, t);
+            attributes.replace(into, sequence, ordinal);
+            ordinal += 1;
             wedge_parent[from as usize] = into;
         }
         positions[collapse.into as usize] = collapse.position;
@@ -162,6 +170,31 @@ impl WedgeAttributes {
                 }
                 Blend::Weights => {}
             }
+        }
+    }
+
+    /// Gives wedge `into` what was solved for at merge number `ordinal`.
+    fn replace(&mut self, into: u32, sequence: &CollapseSequence, ordinal: usize) {
+        let values = sequence.solved.of(ordinal);
+        let set = if self.starts.len() == 1 { 0 } else { self.starts.partition_point(|&s| s <= into as usize) - 1 };
+        let into = into as usize - self.starts[set];
+        let attributes = &mut self.sets[set];
+        let mut normal = None;
+        for place in sequence.solved.layouts.get(set).into_iter().flatten().filter(|_| !values.is_empty()) {
+            let attribute = &mut attributes[place.attribute];
+            let new = &values[place.start..place.start + place.length];
+            attribute.values[into * attribute.components..][..place.length].copy_from_slice(new);
+            if attribute.blend == Blend::Direction {
+                normal = Some([new[0], new[1], new[2]]);
+            }
+        }
+        for tangents in attributes.iter_mut().filter(|a| a.blend == Blend::Tangent) {
+            let Some(normal) = normal else { continue };
+            let tangent = &mut tangents.values[into * tangents.components..][..3];
+            let before = [tangent[0], tangent[1], tangent[2]];
+            let along: f32 = tangent.iter().zip(normal).map(|(t, n)| t * n).sum();
+            tangent.iter_mut().zip(normal).for_each(|(t, n)| *t -= along * n);
+            normalise(tangent, &before);
         }
     }
 
