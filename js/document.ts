@@ -365,7 +365,8 @@ export class Document {
     const bytesPerTriangle = vertexBytes.reduce((sum, bytes) => sum + bytes, 0) / most + 9;
     const { triangles: least } = await this.level({ triangles: 0 });
     const found = await findSize(limit, { least, most, bytesPerTriangle }, async (wanted) => {
-      const { triangles } = await this.level(wanted >= most ? {} : { triangles: wanted });
+      // As far as it goes, and not to what that came to: the stop reason tells.
+      const { triangles } = await this.level(wanted >= most ? {} : { triangles: wanted <= least ? 0 : wanted });
       const output = await this.#encode(format, encoding, gltfName);
       return { triangles, bytes: sizeOf(output), output };
     });

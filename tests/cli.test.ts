@@ -47,9 +47,10 @@ describe('one file', () => {
     expect(result).toMatchObject({ code: 0, stderr: '' });
     const report = JSON.parse(result.stdout) as Report;
     const bytes = statSync(at('out.glb')).size;
+    const parts = { geometry: expect.any(Number), textures: 0, animation: 0, other: expect.any(Number) };
     expect(report).toEqual({
-      input: { path: input, format: 'glb', bytes: model().length, triangles: TRIANGLES, vertices: (SIZE + 1) ** 2, meshes: 1 },
-      output: { path: at('out.glb'), format: 'glb', bytes, triangles: expect.any(Number), vertices: expect.any(Number), meshes: 1 },
+      input: { path: input, format: 'glb', bytes: model().length, triangles: TRIANGLES, vertices: (SIZE + 1) ** 2, meshes: 1, parts },
+      output: { path: at('out.glb'), format: 'glb', bytes, triangles: expect.any(Number), vertices: expect.any(Number), meshes: 1, parts },
       stopReason: 'target',
       blockers: null,
       estimatedError: expect.any(Number),

@@ -71,11 +71,13 @@ pub(super) struct Fit {
     /// Every how many of the original's triangles is a sample.
     stride: usize,
     phase: Phase,
-    samples: Vec<Sample>,
-    /// Vertex of each wedge that names one; while samples are taken.
+    /// By sample its [`Sample::owner`], and [`NO_VERTEX`] for a triangle without an area. The rest is computed anew each
+    /// time: it would take seven times the room.
+    owners: Vec<u32>,
+    /// Vertex of each wedge that names one.
     vertex_of_wedge: Vec<u32>,
     /// The living vertex where each was; while samples are taken.
-    owners: Vec<u32>,
+    merged_into: Vec<u32>,
     /// Squared distance at which a sample pulls half as much.
     scale_squared: f32,
     /// Squared distance at which a sample holds the vertices of its triangle where they are.
@@ -107,21 +109,21 @@ impl Fit {
 impl Simplifier {
     /// A fit of the tuning's rounds to at most its number of samples for each triangle that is left.
     pub(super) fn begin_fit(&mut self, mesh: &Mesh, tuning: Tuning) -> Fit {
-        let owners = self.topology.settle(&mut self.patch.builder);
+        let merged_into = self.topology.settle(&mut self.patch.builder);
         let mut vertex_of_wedge = vec![NO_VERTEX; mesh.positions.len()];
         for (&wedge, v) in self.wedge_of_vertex.iter().zip(0..) {
             vertex_of_wedge[wedge as usize] = v;
         }
         let wanted = self.topology.live_triangle_count.saturating_mul(tuning.fit_samples).max(1);
         let stride = mesh.triangles.len().div_ceil(wanted).max(1);
-        let samples = Vec::with_capacity(mesh.triangles.len().div_ceil(stride));
+        let owners = Vec::with_capacity(mesh.triangles.len().div_ceil(stride));
         Fit {
             rounds: tuning.fit_rounds,
             stride,
             phase: Phase::Sample(0),
-            samples,
-            vertex_of_wedge,
             owners,
+            vertex_of_wedge,
+            merged_into,
             scale_squared: f32::MAX,
             hold_squared: f32::MAX,
             hold: tuning.fit_hold,
@@ -137,14 +139,15 @@ impl Simplifier {
                 let count = mesh.triangles.len().div_ceil(fit.stride);
                 let range = part(first, count);
                 fit.phase = if range.end == count { Phase::Scale } else { Phase::Sample(range.end) };
-                for t in range {
-                    let sample = self.sample(mesh, fit, mesh.triangles[t * fit.stride]);
-                    fit.samples.extend(sample);
+                for i in range {
+                    let sample = self.sample(mesh, fit, i, 0);
+                    let vertex = sample.and_then(|(vertex, _)| fit.merged_into.get(vertex as usize));
+                    fit.owners.push(vertex.copied().unwrap_or(NO_VERTEX));
                 }
             }
             Phase::Scale => {
-                (fit.vertex_of_wedge, fit.owners) = (Vec::new(), Vec::new());
-                fit.scale_squared = self.scale_squared(&fit.samples);
+                fit.merged_into = Vec::new();
+                fit.scale_squared = self.scale_squared(mesh, fit);
                 fit.hold_squared = fit.scale_squared / OUTLIER * fit.hold;
                 fit.phase = Phase::Clear(0);
             }
@@ -156,10 +159,15 @@ impl Simplifier {
                 }
             }
             Phase::Pull(first) => {
-                let range = part(first, fit.samples.len());
-                fit.phase = if range.end == fit.samples.len() { Phase::Move(0) } else { Phase::Pull(range.end) };
-                for sample in &mut fit.samples[range] {
-                    sample.owner = pull(&mut self.topology, sample, fit.scale_squared, fit.hold_squared);
+                let range = part(first, fit.owners.len());
+                fit.phase = if range.end == fit.owners.len() { Phase::Move(0) } else { Phase::Pull(range.end) };
+                for i in range {
+                    let owner = fit.owners[i];
+                    if owner != NO_VERTEX
+                        && let Some((_, sample)) = self.sample(mesh, fit, i, owner)
+                    {
+                        fit.owners[i] = pull(&mut self.topology, &sample, fit.scale_squared, fit.hold_squared);
+                    }
                 }
             }
             Phase::Move(first) => {
@@ -184,11 +192,12 @@ impl Simplifier {
     }
 
     /// Several times the mean squared distance, from some of the samples.
-    fn scale_squared(&self, samples: &[Sample]) -> f32 {
-        let some = samples.iter().step_by(SCALE_STRIDE);
+    fn scale_squared(&self, mesh: &Mesh, fit: &Fit) -> f32 {
         let (mut sum, mut areas) = (0.0_f64, 0.0_f64);
-        for sample in some {
-            if let Some((_, nearest)) = nearest_to(&self.topology, sample) {
+        for (i, &owner) in fit.owners.iter().enumerate().step_by(SCALE_STRIDE).filter(|(_, owner)| **owner != NO_VERTEX)
+        {
+            let Some((_, sample)) = self.sample(mesh, fit, i, owner) else { continue };
+            if let Some((_, nearest)) = nearest_to(&self.topology, &sample) {
                 let area = f64::from(sample.normal.length_squared().sqrt());
                 sum += area * f64::from(nearest.squared);
                 areas += area;
@@ -198,16 +207,17 @@ impl Simplifier {
         (mean as f32 * OUTLIER).max(f32::MIN_POSITIVE)
     }
 
-    /// The centroid of an original triangle; none if it was degenerate.
-    fn sample(&self, mesh: &Mesh, fit: &Fit, triangle: [u32; 3]) -> Option<Sample> {
+    /// The centroid of the original triangle of sample `i`, with the vertex of its first corner; none if it was degenerate.
+    #[inline(always)]
+    fn sample(&self, mesh: &Mesh, fit: &Fit, i: usize, owner: u32) -> Option<(u32, Sample)> {
+        let triangle = mesh.triangles[i * fit.stride];
         let named = self.vertex_of_wedge[triangle[0] as usize];
         let vertex = *fit.vertex_of_wedge.get(named as usize)?;
         let space = self.spaces[usize::from(*self.part_of_vertex.get(vertex as usize)?)];
         let [a, b, c] = triangle.map(|w| space.to_engine(mesh.positions[w as usize]));
         let normal = (b - a).cross(c - a);
         let position = (a + b + c) * (1.0 / 3.0);
-        let owner = fit.owners[vertex as usize];
-        (normal.length_squared() > 0.0).then_some(Sample { position, normal, owner })
+        (normal.length_squared() > 0.0).then_some((vertex, Sample { position, normal, owner }))
     }
 }
 

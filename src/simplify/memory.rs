@@ -39,7 +39,7 @@ pub fn estimate_bytes(mesh: &Mesh, options: &SimplifyOptions) -> u64 {
     let order = names + 2.2 * record;
     let left = options.target_triangle_count.max(1) as f64;
     let samples = triangles.min(left * options.preset.tuning().fit_samples as f64);
-    let fit = names + 84.0 * vertices + 4.0 * wedges + 1.3 * pool + record + 28.0 * samples;
+    let fit = names + 84.0 * vertices + 4.0 * wedges + 1.3 * pool + record + 4.0 * samples;
     let attributes = attribute_bytes(mesh, options, vertices, wanted);
     let pairs = if options.merge_distance > 0.0 { 96.0 * vertices } else { 0.0 };
     let most = weld.max(prepared + 72.0 * vertices + pool).max(sweep).max(order).max(fit);

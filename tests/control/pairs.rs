@@ -2,7 +2,7 @@
 
 use decimesh::ErrorCode;
 use decimesh::mesh::Mesh;
-use decimesh::simplify::{Simplifier, SimplifyOptions, simplify};
+use decimesh::simplify::{Preset, Simplifier, SimplifyOptions, simplify};
 
 use super::{at_end, to};
 use crate::support::surfaces::{cubes, moved, sphere, together};
@@ -33,8 +33,9 @@ fn two_cubes_that_nearly_touch_become_one() {
         assert_eq!((after.components, after.repeated_corners, after.duplicate_faces), (1, 0, 0), "{after:?}");
         assert!(after.triangles <= count, "{after:?}");
     }
-    // The outline is that of both.
-    let result = at_end(&mesh, &simplify(&mesh, &within(2.0 * GAP, 60)).unwrap());
+    // The outline is that of both. Sixty triangles fitted to it may bulge beyond it, so without the fit.
+    let unfitted = SimplifyOptions { preset: Preset::Fast, ..within(2.0 * GAP, 60) };
+    let result = at_end(&mesh, &simplify(&mesh, &unfitted).unwrap());
     let most = result.positions.iter().map(|p| p[0]).fold(0.0, f32::max);
     assert!((most - 16.0 - GAP).abs() < 0.1, "{most}");
 }
