@@ -8,7 +8,7 @@ export type Encoding = Compression | 'quantized' | 'meshopt-quantized';
 
 /** The choices as the page offers them. */
 export const ENCODINGS: ReadonlyArray<{ readonly value: Encoding; readonly name: string; readonly options: WriteOptions }> = [
-  { value: 'none', name: 'Uncompressed', options: { compress: 'none' } },
+  { value: 'none', name: 'Plain', options: { compress: 'none' } },
   { value: 'quantized', name: 'Quantised', options: { compress: 'none', quantize: true } },
   { value: 'meshopt', name: 'Meshopt', options: { compress: 'meshopt' } },
   { value: 'meshopt-quantized', name: 'Meshopt, quantised', options: { compress: 'meshopt', quantize: true } },
