@@ -112,7 +112,7 @@ impl Preset {
     fn tuning(self) -> Tuning {
         match self {
             Self::Fast => Tuning { octaves: 4, fit_rounds: 0, fit_samples: 0, fit_hold: 0.0, fit_above: 1 },
-            Self::Balanced => Tuning { octaves: 3, fit_rounds: 1, fit_samples: 12, fit_hold: 10.0, fit_above: 3 },
+            Self::Balanced => Tuning { octaves: 3, fit_rounds: 1, fit_samples: 12, fit_hold: 10.4, fit_above: 3 },
             Self::Best => Tuning { octaves: 1, fit_rounds: 3, fit_samples: 24, fit_hold: f32::INFINITY, fit_above: 1 },
         }
     }

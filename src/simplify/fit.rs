@@ -27,6 +27,10 @@ const HOPS: usize = 8;
 /// gone, which no vertex nearby can bring back.
 const OUTLIER: f32 = 9.0;
 
+/// Every how many of the original's triangles is a sample at least: at a tenth of the triangles all of them double the
+/// time of the fit for half a per cent of error.
+const LEAST_STRIDE: usize = 2;
+
 /// Every how many samples the mean distance is taken from.
 const SCALE_STRIDE: usize = 16;
 
@@ -115,7 +119,7 @@ impl Simplifier {
             vertex_of_wedge[wedge as usize] = v;
         }
         let wanted = self.topology.live_triangle_count.saturating_mul(tuning.fit_samples).max(1);
-        let stride = mesh.triangles.len().div_ceil(wanted).max(1);
+        let stride = mesh.triangles.len().div_ceil(wanted).max(LEAST_STRIDE);
         let owners = Vec::with_capacity(mesh.triangles.len().div_ceil(stride));
         Fit {
             rounds: tuning.fit_rounds,
