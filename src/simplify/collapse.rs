@@ -532,7 +532,11 @@ fn look_any(topology: &Topology, changes: &mut [Change], position: Vec3) -> Resu
         let (p, q, opposite) = (a - merged, b - merged, b - a);
         let new = p.cross(q);
         let longest = p.dot(p).max(q.dot(q)).max(opposite.dot(opposite));
-        if !legality::keep_upright(old, new, longest).all() {
+        // A triangle without an area may become another one, but not one with two corners in one place.
+        let zero = Lanes::splat(0.0);
+        let together = |now: Lanes3, before: Lanes3| now.dot(now).at_most(zero) & !before.dot(before).at_most(zero);
+        let joins = together(p, a - origin) | together(q, b - origin);
+        if !(legality::keep_upright(old, new, longest) & !joins).all() {
             return Err(Refusal::Flip);
         }
         let after = QuadricLanes::of_triangles(new);
