@@ -16,6 +16,7 @@ mod attribute_update;
 mod attributes;
 mod blockers;
 mod collapse;
+mod contraction;
 mod edges;
 mod fit;
 mod lanes;
@@ -97,6 +98,10 @@ struct Tuning {
     /// Octaves of the cost from one threshold to the next. 1, 2, 3 and 4 give the same error within
     /// 1 %, and 4 takes a quarter less work than 1: fewer visits are in vain.
     octaves: i32,
+    /// Triangles are contracted whole for up to so many times the threshold of an edge; 0: never.
+    contract_below: f32,
+    /// … as long as there are more than so many times the target's triangles.
+    contract_above: usize,
     /// How often the vertices that are left are fitted to the original.
     fit_rounds: usize,
     /// Samples for each triangle that is left.
@@ -111,9 +116,33 @@ struct Tuning {
 impl Preset {
     fn tuning(self) -> Tuning {
         match self {
-            Self::Fast => Tuning { octaves: 4, fit_rounds: 0, fit_samples: 0, fit_hold: 0.0, fit_above: 1 },
-            Self::Balanced => Tuning { octaves: 3, fit_rounds: 1, fit_samples: 12, fit_hold: 10.4, fit_above: 3 },
-            Self::Best => Tuning { octaves: 1, fit_rounds: 3, fit_samples: 24, fit_hold: f32::INFINITY, fit_above: 1 },
+            Self::Fast => Tuning {
+                octaves: 4,
+                contract_below: 4.0,
+                contract_above: 1,
+                fit_rounds: 0,
+                fit_samples: 0,
+                fit_hold: 0.0,
+                fit_above: 1,
+            },
+            Self::Balanced => Tuning {
+                octaves: 3,
+                contract_below: 0.0,
+                contract_above: 4,
+                fit_rounds: 1,
+                fit_samples: 12,
+                fit_hold: 10.4,
+                fit_above: 3,
+            },
+            Self::Best => Tuning {
+                octaves: 1,
+                contract_below: 0.0,
+                contract_above: 0,
+                fit_rounds: 3,
+                fit_samples: 24,
+                fit_hold: f32::INFINITY,
+                fit_above: 1,
+            },
         }
     }
 }
@@ -235,6 +264,8 @@ pub struct Simplifier {
     /// Triangles when the last resort was begun.
     last_resort_from: usize,
     pruned_count: usize,
+    /// Triangles may be contracted whole.
+    contracting: bool,
     protection: Protection,
     pairs: Pairs,
     /// A pair that no edge joins is being merged.
@@ -296,6 +327,7 @@ impl Simplifier {
             spare_sheet_edges: None,
             last_resort_from: 0,
             pruned_count: 0,
+            contracting: false,
             protection: Protection::default(),
             pairs: Pairs::default(),
             pairing: false,
@@ -497,6 +529,7 @@ impl Simplifier {
             self.options.every_level,
         );
         self.begin_attributes(mesh);
+        self.contracting = self.tuning().contract_below > 0.0 && self.contracts();
     }
 
     /// Takes up the attributes that count, if there are any.
@@ -656,14 +689,21 @@ impl Simplifier {
         if self.options.prune && self.is_last_of_part(v) {
             return self.visit_last_of_part(mesh, v);
         }
-        self.edges.gather(
-            &self.topology,
-            &self.polylines,
-            self.attributes.as_ref(),
-            self.options.placement,
-            self.last_resort,
-            v,
-        );
+        if self.contracting && self.edges.approach(&self.topology, v) {
+            if self.visit_triangles(mesh, v) {
+                return 4;
+            }
+            self.edges.solve_near(self.topology.ring(v).len());
+        } else {
+            self.edges.gather(
+                &self.topology,
+                &self.polylines,
+                self.attributes.as_ref(),
+                self.options.placement,
+                self.last_resort,
+                v,
+            );
+        }
         if !self.pairs.is_empty() {
             let Self { edges, topology, polylines, attributes, pairs, options, .. } = self;
             let others = pairs.of(topology, v);
@@ -727,6 +767,33 @@ impl Simplifier {
         self.keys[v as usize] =
             if self.threshold >= MAX_THRESHOLD { f32::INFINITY } else { key.max(next_up(self.threshold)) };
         2
+    }
+
+    /// Contracts the cheapest triangle at `v` if it costs little; false if the edges are to be looked at.
+    #[inline(always)]
+    fn visit_triangles(&mut self, mesh: &Mesh, v: u32) -> bool {
+        let least = (self.options.target_triangle_count * self.tuning().contract_above).saturating_add(4);
+        if self.topology.live_triangle_count < least {
+            self.contracting = false;
+            return false;
+        }
+        let length = self.topology.ring(v).len();
+        let (slot, placement) = self.edges.cheapest_triangle(length);
+        if placement.cost > self.threshold * self.tuning().contract_below {
+            return false;
+        }
+        let ring = self.topology.ring(v);
+        let corners = [v, ring[slot], ring[if slot + 1 == length { 0 } else { slot + 1 }]];
+        if self.try_contraction(mesh, corners, placement).is_err() {
+            return false;
+        }
+        if placement.cost * 4.0 < self.threshold {
+            self.keys[v as usize] = self.threshold;
+            self.again.push(v);
+        } else {
+            self.keys[v as usize] = next_up(self.threshold);
+        }
+        true
     }
 
     fn record_collapse(&mut self, mesh: &Mesh, from: u32, into: u32) {

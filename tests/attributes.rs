@@ -12,7 +12,7 @@ use decimesh::ErrorCode;
 use decimesh::document::{Document, NamedFile, external_files};
 use decimesh::lod::{self, Level, Levels};
 use decimesh::mesh::{Attribute, Blend, Group, Mesh, WedgeSet};
-use decimesh::simplify::{AttributeWeights, PlacementRule, SimplifyOptions, simplify};
+use decimesh::simplify::{AttributeWeights, PlacementRule, Preset, SimplifyOptions, simplify};
 
 const NONE: AttributeWeights = AttributeWeights { normal: 0.0, texture: 0.0, color: 0.0, morph: 0.0 };
 
@@ -249,5 +249,23 @@ fn files_of_many_primitives_do_not_crack() {
             let after = open_edges(&level(mesh, &to(mesh.triangles.len() / share)));
             assert!(after <= before, "{name} at a {share}th: {after} open edges, {before} before");
         }
+    }
+}
+
+/// Attributes that do not count leave triangles to be contracted whole; their wedges follow.
+#[test]
+fn wedges_follow_whole_triangles() {
+    let mesh = support::tube_with_seam(96, 96);
+    let options = SimplifyOptions { preset: Preset::Fast, attribute_weights: NONE, ..to(mesh.triangles.len() / 10) };
+    let sequence = simplify(&mesh, &options).unwrap();
+    support::check_sequence("tube", &sequence);
+    let level = lod::extract(&mesh, &sequence, Level::Triangles(options.target_triangle_count));
+    support::check_level("tube", &mesh, &level, false);
+    assert!(level.mesh.triangles.len() <= options.target_triangle_count);
+    // No triangle reaches over the seam, where u starts again.
+    let uv = &level.mesh.wedge_sets[0].attributes[1].values;
+    for t in &level.mesh.triangles {
+        let [a, b, c] = t.map(|w| uv[2 * w as usize]);
+        assert!(a.max(b).max(c) - a.min(b).min(c) < 0.5, "a triangle from {a} to {b} and {c}");
     }
 }

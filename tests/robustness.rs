@@ -44,8 +44,13 @@ mod robustness {
 
     /// The result of a run to `share` of the triangles; panics with `name` unless that is reached.
     fn reach(name: &str, mesh: &Mesh, share: f64) -> Mesh {
+        reach_with(name, mesh, SimplifyOptions::default(), share)
+    }
+
+    /// As [`reach`], with more options.
+    fn reach_with(name: &str, mesh: &Mesh, options: SimplifyOptions, share: f64) -> Mesh {
         let target = (mesh.triangles.len() as f64 * share) as usize;
-        let (result, reason) = run(mesh, &to(target));
+        let (result, reason) = run(mesh, &SimplifyOptions { target_triangle_count: target, ..options });
         assert!(result.triangles.len() <= target, "{name}: {} triangles for {target}", result.triangles.len());
         assert_eq!(reason, StopReason::Target, "{name}");
         result

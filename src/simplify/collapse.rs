@@ -21,12 +21,12 @@ const CAPACITY: usize = 64;
 #[derive(Debug)]
 pub(super) struct Patch {
     /// The merged ring, repeated from its beginning for whole lanes.
-    ring: [u32; CAPACITY + WIDTH],
+    pub(super) ring: [u32; CAPACITY + WIDTH],
     /// Positions of the merged ring.
     around: [Lanes3; CAPACITY / WIDTH + 1],
     /// By triangle: its quadric after the collapse less that before.
     differences: [[Lanes; 3]; CAPACITY + WIDTH],
-    wedges: Vec<u32>,
+    pub(super) wedges: Vec<u32>,
     /// Wedges `(from, into)` that the last collapse merged.
     pub(super) merges: Vec<(u32, u32)>,
     corners_from: Vec<Corner>,
@@ -107,7 +107,7 @@ impl Simplifier {
     }
 
     #[inline(always)]
-    fn settle_at(&mut self, v: u32, position: Vec3, quadric: &Quadric, error_squared: f32) {
+    pub(super) fn settle_at(&mut self, v: u32, position: Vec3, quadric: &Quadric, error_squared: f32) {
         let vertex = &mut self.topology.vertices[v as usize];
         vertex.moved |= vertex.position() != position;
         vertex.packed.set_quadric(quadric);
@@ -183,7 +183,8 @@ impl Simplifier {
         // Triangles of `from` first: (a, …, b), then those of `into`: (b, …, a).
         let split = ring_from.len() - 2;
         let length = split + ring_into.len() - 2;
-        splice_slots(ring_from, j, ring_into, i, &mut patch.ring);
+        splice_slots(ring_from, j, split, &mut patch.ring);
+        splice_slots(ring_into, i, ring_into.len() - 2, &mut patch.ring[split..]);
         let ring = &mut patch.ring;
         for k in 0..WIDTH {
             ring[length + k] = ring[k];
@@ -200,7 +201,7 @@ impl Simplifier {
         }
         let (at_from, at_into) =
             (topology.vertices[from as usize].position(), topology.vertices[into as usize].position());
-        let quadric = patch.look(topology, (at_from, at_into), split, length, placement.position)?;
+        let quadric = patch.look_at(topology, &[(split, at_from), (length, at_into)], length, placement.position)?;
 
         // From here on the collapse is done.
         let (a, b) = (patch.ring[0], patch.ring[split]);
@@ -214,11 +215,7 @@ impl Simplifier {
         if topology.has_wedges() {
             patch.splice_wedges(topology, (from, j), (into, i));
         }
-        let mut before = patch.differences[length - 1];
-        for (&v, &after) in patch.ring[..length].iter().zip(&patch.differences) {
-            topology.add(v, &[before[0] + after[0], before[1] + after[1], before[2] + after[2]]);
-            before = after;
-        }
+        patch.spread_differences(topology, length);
         topology.add(a, &removed[0]);
         topology.add(b, &removed[1]);
         for &v in &patch.ring[1..split] {
@@ -408,14 +405,13 @@ fn kind_after(kind: VertexKind, form: Form, lines: usize) -> VertexKind {
 }
 
 impl Patch {
-    /// Tests every triangle that stays, and notes the change of its quadric; four at a time.
-    /// Returns the quadric of the merged vertex.
+    /// Tests every triangle that stays, and notes the change of its quadric; four at a time. The triangles up to each
+    /// slot of `origins` were at the position that goes with it. Returns the quadric of the merged vertex.
     #[inline(always)]
-    fn look(
+    pub(super) fn look_at(
         &mut self,
         topology: &Topology,
-        (at_from, at_into): (Vec3, Vec3),
-        split: usize,
+        origins: &[(usize, Vec3)],
         length: usize,
         merged: Vec3,
     ) -> Result<Quadric, Refusal> {
@@ -427,13 +423,17 @@ impl Patch {
         }
         // The last batch is followed by the first vertex, in its next lane or in another batch.
         self.around[batches] = self.around[0];
-        let (at_from, at_into, merged) = (Lanes3::splat(at_from), Lanes3::splat(at_into), Lanes3::splat(merged));
-        let (last_from, last) = (Lanes::splat(split as f32 - 0.5), Lanes::splat(length as f32 - 0.5));
+        let merged = Lanes3::splat(merged);
+        let last = Lanes::splat(length as f32 - 0.5);
         let mut sum = QuadricLanes::zero();
         let mut index = Lanes::new(Lanes::INDEX);
         for (pair, differences) in self.around[..=batches].windows(2).zip(self.differences.as_chunks_mut::<WIDTH>().0) {
             let (a, b) = (pair[0], pair[0].followed_by(pair[1]));
-            let origin = Lanes3::select(index.at_most(last_from), at_from, at_into);
+            let mut origin = merged;
+            for &(end, position) in origins.iter().rev() {
+                let within = index.at_most(Lanes::splat(end as f32 - 0.5));
+                origin = Lanes3::select(within, Lanes3::splat(position), origin);
+            }
             let old = (a - origin).cross(b - origin);
             let (p, q, opposite) = (a - merged, b - merged, b - a);
             let new = p.cross(q);
@@ -450,6 +450,16 @@ impl Patch {
         Ok(sum.sum())
     }
 
+    /// Adds the changes that [`Patch::look_at`] noted to the vertices of the merged ring, each of which has two of its triangles.
+    #[inline(always)]
+    pub(super) fn spread_differences(&self, topology: &mut Topology, length: usize) {
+        let mut before = self.differences[length - 1];
+        for (&v, &after) in self.ring[..length].iter().zip(&self.differences) {
+            topology.add(v, &[before[0] + after[0], before[1] + after[1], before[2] + after[2]]);
+            before = after;
+        }
+    }
+
     /// The wedges of the merged ring, and which wedges merge.
     fn splice_wedges(&mut self, topology: &Topology, (from, j): (u32, usize), (into, i): (u32, usize)) {
         let (own, other) = (topology.ring_wedges(into), topology.ring_wedges(from));
@@ -463,7 +473,8 @@ impl Patch {
         let split = other.len() - 2;
         self.wedges.clear();
         self.wedges.resize(split + own.len() - 2, 0);
-        splice_slots(other, j, own, i, &mut self.wedges);
+        splice_slots(other, j, split, &mut self.wedges);
+        splice_slots(own, i, own.len() - 2, &mut self.wedges[split..]);
         for wedge in &mut self.wedges[..split] {
             if let Some(merge) = self.merges.iter().find(|m| m.0 == *wedge) {
                 *wedge = merge.1;
@@ -472,18 +483,13 @@ impl Patch {
     }
 }
 
-/// The slots of `from` after slot `j` without the last, then those of `into` after slot `i`
-/// without the last, both going around.
+/// The first of `out` are `count` slots after slot `at`, going around.
 #[inline(always)]
-fn splice_slots(from: &[u32], j: usize, into: &[u32], i: usize, out: &mut [u32]) {
-    let mut at = 0;
-    for (slots, first) in [(from, j), (into, i)] {
-        let mut slot = first;
-        for _ in 0..slots.len() - 2 {
-            slot = if slot + 1 == slots.len() { 0 } else { slot + 1 };
-            out[at] = slots[slot];
-            at += 1;
-        }
+pub(super) fn splice_slots(slots: &[u32], at: usize, count: usize, out: &mut [u32]) {
+    let mut slot = at;
+    for out in &mut out[..count] {
+        slot = if slot + 1 == slots.len() { 0 } else { slot + 1 };
+        *out = slots[slot];
     }
 }
 
@@ -518,7 +524,7 @@ fn pair_wedges(
     }
 }
 
-/// As [`Patch::look`], for triangles in any order.
+/// As [`Patch::look_at`], for triangles in any order.
 fn look_any(topology: &Topology, changes: &mut [Change], position: Vec3) -> Result<Quadric, Refusal> {
     let mut sum = QuadricLanes::zero();
     let at = |v: u32| topology.vertices[v as usize].position();

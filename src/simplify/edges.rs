@@ -19,7 +19,25 @@ pub(super) struct Edges {
     placements: Vec<Placements>,
     /// Neighbours whose merged position is to be solved.
     solved: Vec<u32>,
+    near: Near,
 }
+
+/// A manifold vertex and its short closed ring of manifold vertices: positions and stiffened quadrics, four side by side.
+#[derive(Debug)]
+struct Near {
+    own: (Lanes3, QuadricLanes),
+    ring: [(Lanes3, QuadricLanes); 2],
+}
+
+impl Default for Near {
+    fn default() -> Self {
+        let none = (Lanes3::splat(Vec3::ZERO), QuadricLanes::zero());
+        Self { own: none, ring: [none; 2] }
+    }
+}
+
+/// Longest ring that is held near.
+pub(super) const NEAR_RING: usize = 2 * WIDTH;
 
 /// One edge that may be collapsed.
 #[derive(Debug, Clone, Copy)]
@@ -55,6 +73,77 @@ impl Edges {
             self.solve(topology, attributes, v, ring);
         } else {
             self.gather_by_kind(topology, polylines, attributes, rule, last_resort, v);
+        }
+    }
+
+    /// Takes up a vertex and its ring for [`Edges::cheapest_triangle`] and [`Edges::solve_near`]; false if they are not
+    /// usual: manifold all of them, and the ring closed and of four to eight.
+    #[inline(always)]
+    pub(super) fn approach(&mut self, topology: &Topology, v: u32) -> bool {
+        let own = &topology.vertices[v as usize];
+        let ring = topology.ring(v);
+        if own.form() != Form::Closed || !(WIDTH..=NEAR_RING).contains(&ring.len()) || topology.is_hub(v) {
+            return false;
+        }
+        let mut usual = own.kind == VertexKind::Manifold;
+        for &w in ring {
+            usual &= topology.vertices[w as usize].kind == VertexKind::Manifold;
+        }
+        if !usual {
+            return false;
+        }
+        let packed = |k: usize| &topology.vertices[ring[if k < ring.len() { k } else { 0 }] as usize].packed;
+        let (first, quadric) = QuadricLanes::gather([packed(0), packed(1), packed(2), packed(3)]);
+        self.near.ring[0] = (first, placement::stiffened(&quadric));
+        self.near.ring[1] = self.near.ring[0];
+        if ring.len() > WIDTH {
+            let (second, quadric) = QuadricLanes::gather([packed(4), packed(5), packed(6), packed(7)]);
+            self.near.ring[1] = (second, placement::stiffened(&quadric));
+        }
+        let quadric = QuadricLanes::splat(&own.quadric());
+        self.near.own = (Lanes3::splat(own.position()), placement::stiffened(&quadric));
+        self.listed.clear();
+        self.placements.clear();
+        self.vertex = v;
+        true
+    }
+
+    /// After [`Edges::approach`]: of the triangles at the vertex, the slot of the one whose three corners become one at the
+    /// least cost.
+    #[inline(always)]
+    pub(super) fn cheapest_triangle(&self, length: usize) -> (usize, Placement) {
+        let Near { own: (at, quadric), ring: [(p0, q0), (p1, q1)] } = &self.near;
+        let last = Lanes::splat(length as f32 - 0.5);
+        let infinite = Lanes::splat(f32::INFINITY);
+        let index = Lanes::new(Lanes::INDEX);
+        // Behind the last lane comes slot 0, also if the second four are the first ones again.
+        let mut first = placement::solve_three([*at, *p0, p0.followed_by(*p1)], [quadric, q0, &q0.followed_by(q1)]);
+        first.cost = Lanes::select(index.at_most(last), first.cost, infinite);
+        let mut second = first;
+        second.cost = infinite;
+        if length > WIDTH {
+            second = placement::solve_three([*at, *p1, p1.followed_by(*p0)], [quadric, q1, &q1.followed_by(q0)]);
+            let index = index + Lanes::splat(WIDTH as f32);
+            second.cost = Lanes::select(index.at_most(last), second.cost, infinite);
+        }
+        let (mut best, mut least) = (0, f32::INFINITY);
+        for (index, cost) in first.cost.to_array().into_iter().chain(second.cost.to_array()).enumerate() {
+            (best, least) = if cost < least { (index, cost) } else { (best, least) };
+        }
+        (best, if best < WIDTH { first.get(best) } else { second.get(best - WIDTH) })
+    }
+
+    /// After [`Edges::approach`]: the edges at the vertex, as [`Edges::gather`].
+    #[inline(always)]
+    pub(super) fn solve_near(&mut self, length: usize) {
+        let Near { own: (at, quadric), ring } = &self.near;
+        let mut last = Lanes::splat(length as f32 - 0.5);
+        for (p, q) in &ring[..length.div_ceil(WIDTH)] {
+            let mut found = placement::solve(*at, quadric, *p, q);
+            let counts = Lanes::new(Lanes::INDEX).at_most(last);
+            found.cost = Lanes::select(counts, found.cost, Lanes::splat(f32::INFINITY));
+            last = last - Lanes::splat(WIDTH as f32);
+            self.placements.push(found);
         }
     }
 

@@ -124,14 +124,47 @@ impl Beside for Mismatch {
 /// As [`solve`], with more to the cost.
 #[inline(always)]
 pub(super) fn solve_with(u: Lanes3, a: &QuadricLanes, v: Lanes3, b: &QuadricLanes, beside: &impl Beside) -> Placements {
-    let half = Lanes::splat(0.5);
-    let h = (v - u).scale(half);
+    let h = (v - u).scale(Lanes::splat(0.5));
     let (gu, gv) = (a.g, b.g);
     let r = (a.xx + b.xx + a.yy + b.yy + a.zz + b.zz) * Lanes::splat(REGULARISATION);
-    let [xx, xy, xz, yy, yz, zz] =
-        beside.add_matrix([a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz]);
-    // S = Aᵤ + Aᵥ + r I = L D Lᵀ. Its true pivots are at least r; rounding may not push them below.
-    let least = r * half;
+    let sum = beside.add_matrix([a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz]);
+    let right = beside.pull(b.apply(h) - a.apply(h));
+    let x = minimum(sum, r, right, (gu + gv, (gv - gu).dot(h)), h.dot(h) * Lanes::splat(REACH));
+    let (from_u, from_v) = (x + h, x - h);
+    let cost = (from_u.dot(a.apply(from_u)) + from_v.dot(b.apply(from_v))).max(Lanes::splat(0.0));
+    let cost = beside.add_cost(cost, x);
+    Placements { position: u + from_u, cost }
+}
+
+/// As [`solve`] for the three corners of each of four triangles, about their centroids.
+#[inline(always)]
+pub(super) fn solve_three(p: [Lanes3; 3], q: [&QuadricLanes; 3]) -> Placements {
+    let centre = (p[0] + p[1] + p[2]).scale(Lanes::splat(1.0 / 3.0));
+    let d = p.map(|p| p - centre);
+    let all = |of: fn(&QuadricLanes) -> Lanes| of(q[0]) + of(q[1]) + of(q[2]);
+    let sum = [all(|q| q.xx), all(|q| q.xy), all(|q| q.xz), all(|q| q.yy), all(|q| q.yz), all(|q| q.zz)];
+    let r = (sum[0] + sum[3] + sum[5]) * Lanes::splat(REGULARISATION);
+    let right = q[0].apply(d[0]) + q[1].apply(d[1]) + q[2].apply(d[2]);
+    let volume = q[0].g.dot(d[0]) + q[1].g.dot(d[1]) + q[2].g.dot(d[2]);
+    let reach = d[0].dot(d[0]).max(d[1].dot(d[1])).max(d[2].dot(d[2])) * Lanes::splat(REACH);
+    let x = minimum(sum, r, right, (q[0].g + q[1].g + q[2].g, volume), reach);
+    let [from_0, from_1, from_2] = d.map(|d| x - d);
+    let cost = from_0.dot(q[0].apply(from_0)) + from_1.dot(q[1].apply(from_1)) + from_2.dot(q[2].apply(from_2));
+    Placements { position: centre + x, cost: cost.max(Lanes::splat(0.0)) }
+}
+
+/// The least of xᵀ S x − 2 right·x with S = `sum` + `r` I, then moved along S⁻¹g until g·x is the volume's term. No farther
+/// from 0 than the root of `limit`.
+#[inline(always)]
+fn minimum(
+    [xx, xy, xz, yy, yz, zz]: [Lanes; 6],
+    r: Lanes,
+    right: Lanes3,
+    (g, volume): (Lanes3, Lanes),
+    limit: Lanes,
+) -> Lanes3 {
+    // S = L D Lᵀ. Its true pivots are at least r; rounding may not push them below.
+    let least = r * Lanes::splat(0.5);
     let one = Lanes::splat(1.0);
     let inverse_d1 = one / (xx + r);
     let (l21, l31) = (xy * inverse_d1, xz * inverse_d1);
@@ -145,22 +178,14 @@ pub(super) fn solve_with(u: Lanes3, a: &QuadricLanes, v: Lanes3, b: &QuadricLane
         let y = y * inverse_d2 - l32 * z;
         Lanes3 { x: w.x * inverse_d1 - l21 * y - l31 * z, y, z }
     };
-    let free = solve(beside.pull(b.apply(h) - a.apply(h)));
-    let g = gu + gv;
+    let free = solve(right);
     let along = solve(g);
-    let curvature = g.dot(along);
-    let missing = (gv - gu).dot(h) - g.dot(free);
     // Without any curvature this is NaN and the selection below falls back.
-    let kept = free + along.scale(missing / curvature);
-    let limit = h.dot(h) * Lanes::splat(REACH);
+    let kept = free + along.scale((volume - g.dot(free)) / g.dot(along));
     let zero = Lanes::splat(0.0);
     let none = Lanes3 { x: zero, y: zero, z: zero };
     let free = Lanes3::select(free.dot(free).at_most(limit), free, none);
-    let x = Lanes3::select(kept.dot(kept).at_most(limit), kept, free);
-    let (from_u, from_v) = (x + h, x - h);
-    let cost = (from_u.dot(a.apply(from_u)) + from_v.dot(b.apply(from_v))).max(zero);
-    let cost = beside.add_cost(cost, x);
-    Placements { position: u + from_u, cost }
+    Lanes3::select(kept.dot(kept).at_most(limit), kept, free)
 }
 
 /// The quadric, and the squared distance to its vertex as far as the vertex is a tip.

@@ -281,6 +281,20 @@ impl QuadricLanes {
         (Lanes3 { x, y, z }, Self { xx, xy, xz, yy, yz, zz, g: Lanes3 { x: gx, y: gy, z: gz } })
     }
 
+    /// Lanes 1 to 3, then lane 0 of `next`.
+    #[inline(always)]
+    pub(super) fn followed_by(&self, next: &Self) -> Self {
+        Self {
+            xx: self.xx.followed_by(next.xx),
+            xy: self.xy.followed_by(next.xy),
+            xz: self.xz.followed_by(next.xz),
+            yy: self.yy.followed_by(next.yy),
+            yz: self.yz.followed_by(next.yz),
+            zz: self.zz.followed_by(next.zz),
+            g: self.g.followed_by(next.g),
+        }
+    }
+
     /// The same quadric four times.
     #[inline(always)]
     pub(super) fn splat(q: &Quadric) -> Self {

@@ -215,6 +215,21 @@ impl Topology {
         self.write(v, start, block, form, ring, wedges);
     }
 
+    /// Vertex `v` is gone, merged into `into`, and its block is free.
+    #[inline(always)]
+    pub(super) fn vanish(&mut self, v: u32, into: u32) {
+        let vertex = &mut self.vertices[v as usize];
+        self.free[usize::from(vertex.block)].push(vertex.ring_start);
+        (vertex.ring_length, vertex.block) = (0, LEAST_BLOCK);
+        self.merged_into[v as usize] = into;
+    }
+
+    /// Whether the ring of `v` may name vertices that are gone; see [`Topology::refresh`].
+    #[inline(always)]
+    pub(super) fn is_hub(&self, v: u32) -> bool {
+        self.vertices[v as usize].block >= HUB_BLOCK
+    }
+
     /// Gives `v` another ring.
     #[inline(always)]
     pub(super) fn replace_ring(&mut self, v: u32, form: Form, ring: &[u32], wedges: &[u32]) {

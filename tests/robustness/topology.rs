@@ -1,9 +1,9 @@
 //! A closed manifold stays a closed manifold of the same Euler number, as far as it goes.
 
 use decimesh::mesh::Mesh;
-use decimesh::simplify::SimplifyOptions;
+use decimesh::simplify::{Preset, SimplifyOptions};
 
-use super::{reach, run};
+use super::{reach, reach_with, run};
 use crate::support::surfaces::{cone, double_ring, moved, sphere, together};
 use crate::support::validity::{self, Validity};
 use crate::support::{Noise, plate, torus};
@@ -16,13 +16,16 @@ fn noisy(mesh: Mesh, reach: f32) -> Mesh {
 fn check_at_all_ratios(name: &str, mesh: &Mesh, euler: i64) {
     let before = Validity::of(mesh);
     assert_eq!((before.euler, before.is_closed_manifold()), (euler, true), "{name}: the input");
-    for share in [0.5, 0.25, 0.1, 0.05] {
-        let result = reach(name, mesh, share);
-        validity::check_closed(&format!("{name} at {share}"), mesh, &result);
-        assert_eq!(Validity::of(&result).inconsistent_edges, 0, "{name} at {share}: orientation");
+    for preset in [Preset::Fast, Preset::Balanced] {
+        for share in [0.5, 0.25, 0.1, 0.05] {
+            let name = format!("{name}, {preset:?}, at {share}");
+            let result = reach_with(&name, mesh, SimplifyOptions { preset, ..Default::default() }, share);
+            validity::check_closed(&name, mesh, &result);
+            assert_eq!(Validity::of(&result).inconsistent_edges, 0, "{name}: orientation");
+        }
+        let (result, _) = run(mesh, &SimplifyOptions { preset, ..Default::default() });
+        validity::check_closed(&format!("{name}, {preset:?}, to the end"), mesh, &result);
     }
-    let (result, _) = run(mesh, &SimplifyOptions::default());
-    validity::check_closed(&format!("{name} to the end"), mesh, &result);
 }
 
 #[test]
