@@ -12,6 +12,7 @@ import {
   RUN_NAMES,
   checkMeasureOptions,
   checkNames,
+  checkProgressiveOptions,
   checkSignal,
   hasTarget,
   resolveRequest,
@@ -21,6 +22,8 @@ import {
 import { packLods } from './lods.js';
 import { partsOf, partsSource, type Parts, type PartsSource } from './parts.js';
 import { makeReport, type Deviation, type DeviationMap, type Report, type ReportedLod } from './report.js';
+import type { ProgressiveOptions } from './progressive/encode.js';
+import type { ProgressiveSource } from './progressive/source.js';
 import { Turn, runInSteps } from './run.js';
 import { screenCoverages } from './screen.js';
 import { findSize } from './size.js';
@@ -427,6 +430,43 @@ export class Document {
       screenCoverage: coverages[index] as number,
     }));
     return { encoded: await this.#encodeWritten(packLods(files, coverages), 'glb', encoding, gltfName), lods };
+  }
+
+  /**
+   * The geometry as a progressive mesh, for `decimesh/progressive` to read: the coarsest recorded level and what leads from
+   * there to full detail. Materials are named in it and not contained. The selected level stays as it is.
+   *
+   * Rejects with `wrong-state` unless every level was recorded with `placement: 'subset'`:
+   * `simplify({ placement: 'subset' })`.
+   */
+  async writeProgressive(options: ProgressiveOptions = {}): Promise<Uint8Array<ArrayBuffer>> {
+    checkProgressiveOptions(options);
+    const source = this.#progressiveSource();
+    const { encodeProgressive } = await import('./progressive/encode.js');
+    return encodeProgressive(source, options);
+  }
+
+  #progressiveSource(): ProgressiveSource {
+    const { groups, wedgeSets, diagonal } = this.summary;
+    return this.#model.call((model) => {
+      const words = model.history();
+      model.putAside();
+      try {
+        return {
+          words,
+          diagonal,
+          groups: groups.map(({ mesh, primitive, object, material, wedgeSet }, index) => ({
+            mesh, primitive, object, material, wedgeSet, indices: model.levelIndices(index),
+          })),
+          wedgeSets: wedgeSets.map(({ attributes }, set) => ({
+            positions: model.levelPositions(set),
+            attributes: attributes.map((attribute, index) => ({ ...attribute, values: model.levelAttribute(set, index) })),
+          })),
+        };
+      } finally {
+        model.bringBack();
+      }
+    });
   }
 
   /** Frees the document's memory; what runs rejects with `disposed`. May be called twice. */

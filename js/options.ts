@@ -2,6 +2,7 @@
 
 import { checkNames } from './check.js';
 import { invalidArgument } from './errors.js';
+import type { ProgressiveOptions } from './progressive/encode.js';
 import { errorOfPixels } from './screen.js';
 import type {
   AttributeWeights, DocumentSimplifyOptions, LevelTargets, MeasureOptions, MeshSimplifyOptions, Preset, RunOptions, Targets,
@@ -165,6 +166,12 @@ export function checkMeasureOptions(options: MeasureOptions & RunOptions): void 
     throw invalidArgument('onProgress', 'must be a function');
   }
   checkSignal(signal);
+}
+
+/** Checks `options` of a progressive mesh. */
+export function checkProgressiveOptions(options: ProgressiveOptions): void {
+  checkNames(options, ['keepOrder']);
+  if (options.keepOrder !== undefined && typeof options.keepOrder !== 'boolean') throw invalidArgument('keepOrder', 'must be true or false');
 }
 
 /** Throws `invalid-argument` unless `signal` is an AbortSignal or absent. */

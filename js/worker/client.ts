@@ -5,6 +5,7 @@ import { DecimeshError, errorFromData, invalidArgument } from '../errors.js';
 import { isFile, listFiles, loadFiles } from '../files.js';
 import { RUN_NAMES, checkNames, checkSignal } from '../options.js';
 import type { NodeWorker } from '../platform.js';
+import type { ProgressiveOptions } from '../progressive/encode.js';
 import type { Deviation, DeviationMap } from '../report.js';
 import type {
   DocumentInput,
@@ -287,6 +288,11 @@ export class DocumentProxy {
   /** As `Document.write`; the bytes are moved, not copied. */
   async write(options: WriteOptions = {}): Promise<Written> {
     return (await this.#connection.request({ type: 'write', document: this.#number(), options })).written;
+  }
+
+  /** As `Document.writeProgressive`; the bytes are moved, not copied. */
+  async writeProgressive(options: ProgressiveOptions = {}): Promise<Uint8Array<ArrayBuffer>> {
+    return (await this.#connection.request({ type: 'write-progressive', document: this.#number(), options })).bytes;
   }
 
   /** Frees the document in the worker. May be called twice. */

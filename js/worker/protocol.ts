@@ -8,6 +8,7 @@
 import type { ErrorData } from '../errors.js';
 import type { LoadedFile } from '../files.js';
 import type { Written } from '../document.js';
+import type { ProgressiveOptions } from '../progressive/encode.js';
 import type { Deviation, DeviationMap } from '../report.js';
 import type {
   DocumentSimplifyOptions,
@@ -76,6 +77,14 @@ export interface WriteRequest {
   readonly options: WriteOptions;
 }
 
+/** Writes a progressive mesh. Answered by {@link ProgressiveReply}. */
+export interface WriteProgressiveRequest {
+  readonly type: 'write-progressive';
+  readonly id: number;
+  readonly document: number;
+  readonly options: ProgressiveOptions;
+}
+
 /** Simplifies bare arrays; nothing stays in the worker. Answered by {@link SimplifiedReply}. */
 export interface SimplifyArraysRequest {
   readonly type: 'simplify-arrays';
@@ -112,6 +121,7 @@ export type AnsweredRequest =
   | LevelRequest
   | GeometryRequest
   | WriteRequest
+  | WriteProgressiveRequest
   | SimplifyArraysRequest
   | ExternalFilesRequest;
 
@@ -161,6 +171,13 @@ export interface WrittenReply {
   readonly written: Written;
 }
 
+/** Its bytes are transferred. */
+export interface ProgressiveReply {
+  readonly type: 'progressive';
+  readonly id: number;
+  readonly bytes: Uint8Array<ArrayBuffer>;
+}
+
 /** Its arrays are transferred. */
 export interface SimplifiedReply {
   readonly type: 'simplified';
@@ -203,6 +220,7 @@ export type Answer =
   | DeviationMapReply
   | GeometryReply
   | WrittenReply
+  | ProgressiveReply
   | SimplifiedReply
   | ExternalFilesReply;
 
@@ -218,6 +236,7 @@ export interface AnswerTo {
   level: LevelReply;
   geometry: GeometryReply;
   write: WrittenReply;
+  'write-progressive': ProgressiveReply;
   'simplify-arrays': SimplifiedReply;
   'external-files': ExternalFilesReply;
 }

@@ -73,6 +73,8 @@ export class Session {
         return { type: 'geometry', id, geometry: await this.#document(request.document).geometry() };
       case 'write':
         return { type: 'written', id, written: await this.#document(request.document).write(request.options) };
+      case 'write-progressive':
+        return { type: 'progressive', id, bytes: await this.#document(request.document).writeProgressive(request.options) };
       case 'simplify-arrays':
         await init();
         return {
@@ -138,6 +140,9 @@ function buffersOf(answer: Answer): Transferable[] {
       break;
     case 'written':
       arrays.push(answer.written.bytes, ...answer.written.files.map(({ bytes }) => bytes));
+      break;
+    case 'progressive':
+      arrays.push(answer.bytes);
       break;
     case 'simplified': {
       const { positions, indices, vertexMap, attributes } = answer.mesh;
