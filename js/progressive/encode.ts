@@ -19,7 +19,7 @@ import { NONE, SplitMesh, type WedgeSetState } from './state.js';
 export interface ProgressiveOptions {
   /**
    * Whether triangles and vertices come back in the order of the input, down to the corner that each begins with. It takes
-   * two or three bytes a triangle more. Without it the order is that of the splits. Default false.
+   * two to five bytes a vertex more. Without it the order is that of the splits. Default true.
    */
   readonly keepOrder?: boolean | undefined;
 }
@@ -33,7 +33,7 @@ const BASE_SHARE = 0.01;
 const FEWEST_BASE = 4;
 
 /** The bytes of a progressive mesh. */
-export function encodeProgressive(source: ProgressiveSource, { keepOrder = false }: ProgressiveOptions = {}): Uint8Array<ArrayBuffer> {
+export function encodeProgressive(source: ProgressiveSource, { keepOrder = true }: ProgressiveOptions = {}): Uint8Array<ArrayBuffer> {
   return new ProgressiveEncoder(readHistory(source), keepOrder).encode();
 }
 

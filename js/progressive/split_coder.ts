@@ -140,7 +140,7 @@ export class SplitCoder {
         if (i + 1 === end && !closes) break;
         const moved = moves[i] as boolean;
         if (moved === moves[follower]) continue;
-        offer(closes ? 0 : 1, ring.previous[i] as number, !moved, moved ? i : follower, moved ? follower : i);
+        offer(closes ? 0 : 1, ring.previous[i] as number, moved, moved ? i : follower, moved ? follower : i);
       }
       if (!closes) {
         const moved = moves[end - 1] as boolean;
