@@ -42,6 +42,8 @@ class ProgressiveEncoder {
   readonly #description: Description;
   readonly #mesh: SplitMesh;
   readonly #baseCollapses: number;
+  /** Vertices of the triangles that have three. */
+  readonly #inUse = new Set<number>();
   /** Numbers in the mesh by name. */
   readonly #vertexNumbers: Uint32Array;
   readonly #wedgeNumbers: Uint32Array;
@@ -60,7 +62,7 @@ class ProgressiveEncoder {
     let base = 0;
     while (base < collapses.count && (collapses.trianglesAfter[base] as number) > wanted) base += 1;
     this.#baseCollapses = base;
-    const inUse = new Set<number>();
+    const inUse = this.#inUse;
     for (let corner = 0; corner < corners.length; corner += 1) {
       if (isLive[Math.floor(corner / 3)] === 1) inUse.add(vertexOf[corners[corner] as number] as number);
     }
@@ -136,7 +138,8 @@ class ProgressiveEncoder {
       }
     }
     const withTriangles = new Set(list.map(({ vertex }) => vertex));
-    const alone = new Set<number>();
+    // Others may be split from them, or have triangles with them again.
+    const alone = new Set(this.#inUse);
     for (let i = 0; i < base; i += 1) alone.add(collapses.into[i] as number);
     for (let i = 0; i < base; i += 1) alone.delete(collapses.from[i] as number);
     for (const vertex of withTriangles) alone.delete(vertex);
