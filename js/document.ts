@@ -1,5 +1,6 @@
 // A document: a whole file in the engine, simplified in steps, looked at and written at any level.
 
+import { findWithin } from './bounded.js';
 import { unpackArchives } from './codecs/archive.js';
 import { decodeFiles, type Decoded } from './codecs/decode.js';
 import { encodeGlb, type EncodedFiles, type Encoding } from './codecs/encode.js';
@@ -15,6 +16,7 @@ import {
   checkProgressiveOptions,
   checkSignal,
   hasTarget,
+  resolveMaximumDeviation,
   resolveRequest,
   resolveTargets,
   type SimplifyRequest,
@@ -22,6 +24,7 @@ import {
 import { packLods } from './lods.js';
 import { partsOf, partsSource, type Parts, type PartsSource } from './parts.js';
 import { makeReport, type Deviation, type DeviationMap, type Report, type ReportedLod } from './report.js';
+import { isProgressive } from './progressive/container.js';
 import type { ProgressiveOptions } from './progressive/encode.js';
 import type { ProgressiveSource } from './progressive/source.js';
 import { Turn, runInSteps } from './run.js';
@@ -82,11 +85,22 @@ export async function openDocument(input: DocumentInput, options: { signal?: Abo
 /** Opens files that are in memory; needs the engine to be loaded. Rejects as {@link openDocument} does. */
 export async function openFiles(files: readonly LoadedFile[], signal?: AbortSignal): Promise<Document> {
   const start = performance.now();
-  const unpacked = await unpackArchives(files, signal);
+  const unpacked = await unpackProgressive(await unpackArchives(files, signal));
   const decoded = await decodeFiles(unpacked, signal);
   signal?.throwIfAborted();
   const bytes = files.reduce((sum, file) => sum + file.bytes.byteLength, 0);
   return openDecoded(decoded, unpacked, bytes, start);
+}
+
+/** A progressive mesh at full detail is a GLB. */
+async function unpackProgressive(files: readonly LoadedFile[]): Promise<readonly LoadedFile[]> {
+  if (!files.some(({ bytes }) => isProgressive(bytes))) return files;
+  const [{ decodeProgressive }, { progressiveToGlb }] = await Promise.all([import('./progressive.js'), import('./progressive/to_glb.js')]);
+  return files.map((file) => {
+    if (!isProgressive(file.bytes)) return file;
+    const mesh = decodeProgressive(file.bytes);
+    return { ...file, bytes: progressiveToGlb(mesh.description, mesh.geometry()) };
+  });
 }
 
 function openDecoded({ files, compression }: Decoded, given: readonly LoadedFile[], bytes: number, start: number): Document {
@@ -112,6 +126,13 @@ function openDecoded({ files, compression }: Decoded, given: readonly LoadedFile
 export function externalFiles(bytes: Uint8Array): string[] {
   return JSON.parse(callEngine((engine) => engine.externalFiles(bytes))) as string[];
 }
+
+/** Of a limit for the measured deviation, what is kept for places between the samples. */
+const BETWEEN_SAMPLES = 0.04;
+
+/** Samples on each side while a level within a limit is searched for, and for the one that is found. */
+const SEARCH_SAMPLES = 200_000;
+const FINAL_SAMPLES = 1_000_000;
 
 /** A chain of more levels than there are octaves of triangles is a mistake. */
 const MOST_LODS = 32;
@@ -169,6 +190,7 @@ export class Document {
    */
   async simplify(options: DocumentSimplifyOptions & RunOptions = {}): Promise<LevelSummary> {
     checkNames(options, [...DOCUMENT_SIMPLIFY_NAMES, ...RUN_NAMES]);
+    if (options.maximumDeviation !== undefined) return this.#simplifyWithin(options);
     const request: SimplifyRequest = { everyLevel: !hasTarget(options), ...resolveRequest(options, this.summary) };
     // Where every level counts, others will be asked for, and are to be there at once.
     request.indexLevels = request.everyLevel === true && request.keepLevels !== true;
@@ -190,6 +212,43 @@ export class Document {
       options.onProgress?.(1);
       return level;
     });
+  }
+
+  /** As {@link simplify} with `maximumDeviation`; after an abort or a failure full detail is selected. */
+  async #simplifyWithin({ maximumDeviation, ...options }: DocumentSimplifyOptions & RunOptions): Promise<LevelSummary> {
+    const limit = resolveMaximumDeviation({ maximumDeviation, ...options }, this.summary);
+    const { onProgress, signal } = options;
+    // Of the measurements it is not known how many there will be: each is an eighth of what is left.
+    let done = 0;
+    const within = (share: number, fraction: number): void => {
+      const now = done + (1 - done) * share * fraction;
+      if (fraction === 1) done = now;
+      if (now < 1) onProgress?.(now);
+    };
+    const recorded = await this.simplify({ ...options, everyLevel: true, onProgress: (fraction) => within(0.3, fraction) });
+    // Without a target the run selects full detail.
+    const coarsest = hasTarget(options) ? recorded : await this.level({ triangles: 0 });
+    const safe = limit * (1 - BETWEEN_SAMPLES);
+    const measured = async (triangles: number, samples: number): Promise<{ triangles: number; max: number }> => {
+      const level = await this.level({ triangles }, { signal });
+      const { max } = await this.measure({ samples, signal, onProgress: (fraction) => within(1 / 8, fraction) });
+      return { triangles: level.triangles, max };
+    };
+    try {
+      const { triangles: most } = this.summary;
+      const guess = await this.level({ error: safe / 2 }, { signal });
+      const range = { least: Math.min(coarsest.triangles, most), most, start: guess.triangles };
+      let triangles = await findWithin(safe, range, (wanted) => measured(wanted, SEARCH_SAMPLES));
+      // With more samples the maximum may be a little more.
+      while (triangles < most && (await measured(triangles, FINAL_SAMPLES)).max > safe) triangles = Math.min(most, Math.ceil(triangles * 1.02) + 1);
+      const level = await this.level(triangles >= most ? {} : { triangles });
+      onProgress?.(1);
+      if (level.triangles <= coarsest.triangles) return (this.#level = { ...level, stopReason: coarsest.stopReason, blockers: coarsest.blockers });
+      return (this.#level = { ...level, stopReason: 'error' });
+    } catch (error) {
+      if (!(error instanceof DecimeshError && error.code === 'disposed')) await this.level({});
+      throw error;
+    }
   }
 
   /**

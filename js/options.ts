@@ -59,7 +59,7 @@ export const MESH_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'weigh
 export const WEIGHT_NAMES = ['normal', 'uv', 'color', 'morph'] as const;
 
 /** Names of {@link DocumentSimplifyOptions}. */
-export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels', 'weightAttribute', 'weightScale'];
+export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels', 'weightAttribute', 'weightScale', 'maximumDeviation'];
 
 /** Names of {@link RunOptions}. */
 export const RUN_NAMES: readonly string[] = ['onProgress', 'signal'];
@@ -131,6 +131,15 @@ export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, sc
   }
   checkSignal(signal);
   return request;
+}
+
+/** The largest measured deviation that `options` allow, model units; throws `invalid-argument`. */
+export function resolveMaximumDeviation({ maximumDeviation, keepLevels, everyLevel }: DocumentSimplifyOptions, { diagonal }: Scale): number {
+  const limit = lengthInModelUnits('maximumDeviation', maximumDeviation as number | string, diagonal);
+  if (limit === 0) throw invalidArgument('maximumDeviation', 'must be above 0: only the original is at no distance from itself');
+  if (keepLevels === true) throw invalidArgument('keepLevels', 'is not possible beside maximumDeviation, which records all levels');
+  if (everyLevel === false) throw invalidArgument('everyLevel', 'is needed by maximumDeviation');
+  return limit;
 }
 
 /** Checks the types and lengths of weights and locks; the values are the engine's to check. */

@@ -4,7 +4,7 @@ import type { Parts } from './parts.js';
 import type { Blockers, DocumentSummary, Format, LevelSummary, OutputFormat, StopReason, Warning } from './types.js';
 
 /** A file in a report. */
-export interface ReportedFile<FileFormat extends Format = Format> {
+export interface ReportedFile<FileFormat extends Format | 'pmesh' = Format> {
   /** Null where there is no file, only bytes. */
   readonly path: string | null;
   readonly format: FileFormat;
@@ -87,7 +87,8 @@ export interface ReportedLod {
 /** What `--json` prints and `Document.write` returns; lengths in model units. */
 export interface Report {
   readonly input: ReportedFile;
-  readonly output: ReportedFile<OutputFormat>;
+  /** `pmesh`, a progressive mesh, on the command line alone. */
+  readonly output: ReportedFile<OutputFormat | 'pmesh'>;
   /** Null when nothing was simplified. */
   readonly stopReason: StopReason | null;
   /** What blocks the edges that are left, if the run ended for `'error'` or `'constraints'`. */

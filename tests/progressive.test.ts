@@ -1,11 +1,13 @@
 // Progressive meshes: the input comes back to the bit, every level on the way is the engine's, and nothing damaged is taken.
-import { readFileSync } from 'node:fs';
-import { basename } from 'node:path';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { basename, join } from 'node:path';
 import { gunzipSync } from 'node:zlib';
 import { MeshoptEncoder } from 'meshoptimizer';
+import type { Mesh } from 'three';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { init, openDocument, simplifySequence, type Document, type LevelGeometry } from 'decimesh';
 import { boxRegion, decodeProgressive, frustumRegion, isProgressive, readProgressive } from 'decimesh/progressive';
+import { ProgressiveLoader } from 'decimesh/progressive-three';
 import { createWorkerClient } from 'decimesh/worker';
 import { packChunks, crc32 } from '../dist/progressive/container.js';
 import { RangeDecoder, RangeEncoder, newModels } from '../dist/progressive/range_coder.js';
@@ -13,7 +15,9 @@ import { FloatModel, IntegerModel, gridOf } from '../dist/progressive/numbers.js
 import { testWithAsset } from './support/assets.ts';
 import { glb, gltfOf } from './support/glb.ts';
 import { hills, objOf, plyOf } from './support/meshes.ts';
+import { decimesh, temporaryDirectory } from './support/program.ts';
 import { thrown } from './support/thrown.ts';
+import { gltfErrors } from './support/validate.ts';
 
 const coded = (code: string): unknown => expect.objectContaining({ name: 'DecimeshError', code });
 
@@ -339,3 +343,50 @@ for (const name of ['bench/stanford-bunny.obj.gz', 'bench/igea.obj.gz', 'gltf/Fl
     if (path.endsWith('.gz')) expect(first).toBeLessThan(0.05 * file.length);
   });
 }
+
+describe('in use', () => {
+  it('the command line writes it and reads it back, to the bit', async () => {
+    const directory = temporaryDirectory();
+    const [input, output, back] = ['in.glb', 'out.pmesh', 'back.glb'].map((name) => join(directory, name)) as [string, string, string];
+    writeFileSync(input, glb(gltfOf(hills(20))));
+    const { code, stdout } = await decimesh([input, '-o', output, '--json']);
+    expect(code).toBe(0);
+    const report = JSON.parse(stdout) as { output: { format: string; bytes: number; triangles: number; path: string } };
+    const bytes = readFileSync(output);
+    expect(report.output).toMatchObject({ format: 'pmesh', bytes: bytes.length, triangles: 800, path: output });
+    expect((await decimesh([output, '-o', back, '-r', '1'])).code).toBe(0);
+    using original = await openDocument(readFileSync(input));
+    using returned = await openDocument(readFileSync(back));
+    expect(await returned.geometry()).toEqual(await original.geometry());
+    expect(await gltfErrors(readFileSync(back))).toEqual([]);
+    for (const wrong of [['--size', '1k'], ['--placement', 'optimal'], ['--lods', '1,0.5'], ['--measure']]) {
+      expect((await decimesh([input, '-o', output, ...wrong])).code, wrong[0]).toBe(2);
+    }
+    writeFileSync(output, bytes.subarray(0, bytes.length - 20));
+    expect((await decimesh([output, '-o', back, '-r', '1'])).code).toBe(3);
+  });
+
+  it('three.js shows each level as it comes', async () => {
+    using document = await recorded(glb(gltfOf(hills(20))));
+    const bytes = await document.writeProgressive();
+    const loader = new ProgressiveLoader();
+    const counts: number[] = [];
+    const objects = new Set<unknown>();
+    loader.onLevel = (object) => {
+      objects.add(object);
+      const [part] = object.children as Mesh[];
+      counts.push(part!.geometry.index!.count / 3);
+    };
+    async function* pieces(): AsyncGenerator<Uint8Array> {
+      for (let at = 0; at < bytes.length; at += 200) yield bytes.subarray(at, at + 200);
+    }
+    const object = await loader.read(pieces());
+    expect(objects).toEqual(new Set([object]));
+    expect(counts.length).toBeGreaterThan(5);
+    expect(counts.at(-1)).toBe(800);
+    expect(counts[0]).toBeLessThan(50);
+    const [part] = loader.parse(bytes).children as Mesh[];
+    expect(Object.keys(part!.geometry.attributes).sort()).toEqual(['normal', 'position', 'uv']);
+    await expect(loader.read(bytes.subarray(0, 900))).rejects.toEqual(coded('truncated'));
+  });
+});
