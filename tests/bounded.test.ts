@@ -74,12 +74,12 @@ it('on the command line', async () => {
   const directory = temporaryDirectory();
   const [input, output] = ['in.glb', 'out.glb'].map((name) => join(directory, name)) as [string, string];
   writeFileSync(input, glb(gltfOf(hills(30))));
-  const { code, stdout } = await decimesh([input, '-o', output, '--max-deviation', '1%', '--json']);
+  const { code, stdout } = await decimesh(input, '-o', output, '--max-deviation', '1%', '--json');
   expect(code).toBe(0);
   const report = JSON.parse(stdout) as { deviation: { max: number; relativeTo: number }; stopReason: string };
   expect(report.deviation.max).toBeLessThan(0.01 * report.deviation.relativeTo);
-  expect((await decimesh([input, '-o', output, '--max-deviation', 'much'])).code).toBe(2);
-  expect((await decimesh([input, '-o', output, '--max-deviation', '1%', '--size', '1k'])).code).toBe(2);
+  expect((await decimesh(input, '-o', output, '--max-deviation', 'much')).code).toBe(2);
+  expect((await decimesh(input, '-o', output, '--max-deviation', '1%', '--size', '1k')).code).toBe(2);
 });
 
 for (const name of ['fandisk', 'rocker-arm'] as const) {

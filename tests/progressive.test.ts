@@ -349,21 +349,21 @@ describe('in use', () => {
     const directory = temporaryDirectory();
     const [input, output, back] = ['in.glb', 'out.pmesh', 'back.glb'].map((name) => join(directory, name)) as [string, string, string];
     writeFileSync(input, glb(gltfOf(hills(20))));
-    const { code, stdout } = await decimesh([input, '-o', output, '--json']);
+    const { code, stdout } = await decimesh(input, '-o', output, '--json');
     expect(code).toBe(0);
     const report = JSON.parse(stdout) as { output: { format: string; bytes: number; triangles: number; path: string } };
     const bytes = readFileSync(output);
     expect(report.output).toMatchObject({ format: 'pmesh', bytes: bytes.length, triangles: 800, path: output });
-    expect((await decimesh([output, '-o', back, '-r', '1'])).code).toBe(0);
+    expect((await decimesh(output, '-o', back, '-r', '1')).code).toBe(0);
     using original = await openDocument(readFileSync(input));
     using returned = await openDocument(readFileSync(back));
     expect(await returned.geometry()).toEqual(await original.geometry());
     expect(await gltfErrors(readFileSync(back))).toEqual([]);
     for (const wrong of [['--size', '1k'], ['--placement', 'optimal'], ['--lods', '1,0.5'], ['--measure']]) {
-      expect((await decimesh([input, '-o', output, ...wrong])).code, wrong[0]).toBe(2);
+      expect((await decimesh(input, '-o', output, ...wrong)).code, wrong[0]).toBe(2);
     }
     writeFileSync(output, bytes.subarray(0, bytes.length - 20));
-    expect((await decimesh([output, '-o', back, '-r', '1'])).code).toBe(3);
+    expect((await decimesh(output, '-o', back, '-r', '1')).code).toBe(3);
   });
 
   it('three.js shows each level as it comes', async () => {
