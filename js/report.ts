@@ -27,6 +27,16 @@ export interface SideDeviation {
   readonly samples: number;
 }
 
+/** How far an attribute of the surfaces is apart, over both. */
+export interface AttributeDeviation {
+  /** The largest at any sample. */
+  readonly max: number;
+  /** Average over the area. */
+  readonly mean: number;
+  /** Root mean square over the area. */
+  readonly rms: number;
+}
+
 /** Measured distances between the original and the selected level, model units. */
 export interface Deviation {
   /** The larger of the sides'. */
@@ -41,6 +51,13 @@ export interface Deviation {
   readonly originalToSimplified: SideDeviation;
   /** What was made up: how far the level is from the original. */
   readonly simplifiedToOriginal: SideDeviation;
+  /**
+   * How far attributes are apart between each sample and the place of the other surface that is nearest, where both have
+   * them: normals in degrees, the first texture coordinates in their own units (1 is the width of the texture), the first
+   * colours as a distance (1 is the range of a component). Absent without any. On seams of the texture, where the nearest
+   * place may be on the other side, the maximum says nothing.
+   */
+  readonly attributes?: { readonly normal?: AttributeDeviation; readonly uv?: AttributeDeviation; readonly color?: AttributeDeviation };
 }
 
 /** How far a level is from the original at each of its vertices, model units. The arrays are the caller's own. */

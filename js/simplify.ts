@@ -14,6 +14,7 @@ import {
   type Scale,
   type SimplifyRequest,
 } from './options.js';
+import { lifetimesOf, type TriangleLifetimes } from './progressive/lifetimes.js';
 import type { ProgressiveOptions } from './progressive/encode.js';
 import type { ProgressiveSource } from './progressive/source.js';
 import { runInSteps, runToEnd, type TimeLimit } from './run.js';
@@ -96,6 +97,15 @@ export class MeshSequence {
     const source = this.#run.progressiveSource();
     const { encodeProgressive } = await import('./progressive/encode.js');
     return encodeProgressive(source, options);
+  }
+
+  /**
+   * Every triangle of every level, with the errors between which it is there: those with births ≤ ε < deaths are
+   * `level({ error: ε })`, found in linear time by whoever has the arrays, on a graphics card too. Throws `wrong-state` unless
+   * the sequence was made with `placement: 'subset'`, so that vertices are those of the input.
+   */
+  lifetimes(): TriangleLifetimes {
+    return lifetimesOf(this.#run.progressiveSource());
   }
 
   /** Frees the memory in the engine. May be called twice. */

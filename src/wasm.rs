@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use wasm_bindgen::prelude::*;
 
 use crate::collapse_sequence::{Blockers, CollapseSequence};
-use crate::deviation::{Deviation, DeviationMeter, DeviationOptions, SideDeviation};
+use crate::deviation::{AttributeDeviation, Deviation, DeviationMeter, DeviationOptions, SideDeviation};
 use crate::document::{Document, Format, NamedFile};
 use crate::error::{Error, ErrorCode, Warning};
 use crate::lod::{self, Level, LevelMesh, Levels};
@@ -277,9 +277,35 @@ struct DeviationSummary {
     relative_to: f64,
     original_to_simplified: SideSummary,
     simplified_to_original: SideSummary,
+    #[serde(skip_serializing_if = "AttributesSummary::is_empty")]
+    attributes: AttributesSummary,
     /// With a map: how many values each wedge set of the level has in it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     map_lengths: Vec<usize>,
+}
+
+/// Of the attributes that there are.
+#[derive(Serialize)]
+struct AttributesSummary {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    normal: Option<SpreadSummary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    uv: Option<SpreadSummary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    color: Option<SpreadSummary>,
+}
+
+impl AttributesSummary {
+    fn is_empty(&self) -> bool {
+        self.normal.is_none() && self.uv.is_none() && self.color.is_none()
+    }
+}
+
+#[derive(Serialize)]
+struct SpreadSummary {
+    max: f64,
+    mean: f64,
+    rms: f64,
 }
 
 #[derive(Serialize)]
@@ -293,6 +319,7 @@ struct SideSummary {
 impl From<&Deviation> for DeviationSummary {
     fn from(deviation: &Deviation) -> Self {
         let side = |SideDeviation { max, mean, rms, samples }| SideSummary { max, mean, rms, samples };
+        let spread = |AttributeDeviation { max, mean, rms }| SpreadSummary { max, mean, rms };
         Self {
             max: deviation.max,
             mean: deviation.mean,
@@ -300,6 +327,11 @@ impl From<&Deviation> for DeviationSummary {
             relative_to: deviation.diagonal,
             original_to_simplified: side(deviation.original_to_simplified),
             simplified_to_original: side(deviation.simplified_to_original),
+            attributes: AttributesSummary {
+                normal: deviation.attributes.normal.map(spread),
+                uv: deviation.attributes.texture.map(spread),
+                color: deviation.attributes.color.map(spread),
+            },
             map_lengths: Vec::new(),
         }
     }

@@ -5,9 +5,9 @@
 mod support;
 
 use decimesh::ErrorCode;
-use decimesh::deviation::{Deviation, DeviationMeter, DeviationOptions, measure};
+use decimesh::deviation::{AttributeDeviation, Deviation, DeviationMeter, DeviationOptions, measure};
 use decimesh::lod::{self, Level};
-use decimesh::mesh::{Group, Mesh, Part, WedgeSet};
+use decimesh::mesh::{Attribute, Blend, Group, Mesh, Part, WedgeSet};
 use decimesh::simplify::{SimplifyOptions, simplify};
 use proptest::prelude::*;
 
@@ -441,4 +441,42 @@ fn the_map_tells_of_each_vertex_and_of_what_is_around_it() {
     assert_eq!(soup.simplified_surroundings[2], soup.simplified_surroundings[4]);
     let without = measure(&plate, &raised, &DeviationOptions::default()).unwrap();
     assert!(without.simplified_distances.is_empty() && without.simplified_surroundings.is_empty());
+}
+
+#[test]
+fn attributes_are_compared_at_the_samples() {
+    let with = |normal: [f32; 3], shift: f32, color: f32| {
+        let mut plate = support::plate(6, 0.0);
+        let attribute = |name: &str, components: usize, value: &dyn Fn(&[f32; 3]) -> Vec<f32>| Attribute {
+            name: name.into(),
+            components,
+            values: plate.positions.iter().flat_map(value).collect(),
+            blend: Blend::Linear,
+        };
+        plate.wedge_sets[0].attributes = vec![
+            attribute("NORMAL", 3, &|_| normal.to_vec()),
+            attribute("TEXCOORD_0", 2, &|p| vec![p[0] / 6.0 + shift, p[1] / 6.0]),
+            attribute("COLOR_0", 3, &|p| vec![color * p[0] / 6.0, 0.0, 0.0]),
+        ];
+        plate
+    };
+    let plain = with([0.0, 0.0, 1.0], 0.0, 0.0);
+    let same = between(&plain, &plain).attributes;
+    for found in [same.normal, same.texture, same.color] {
+        assert_eq!(found, Some(AttributeDeviation::default()), "{same:?}");
+    }
+    let other = between(&plain, &with([0.6, 0.0, 0.8], 0.25, 1.0)).attributes;
+    let (normal, texture, color) = (other.normal.unwrap(), other.texture.unwrap(), other.color.unwrap());
+    for value in [normal.max, normal.mean, normal.rms] {
+        assert!(near(value, 0.6_f64.asin().to_degrees(), 1e-6), "{normal:?}");
+    }
+    for value in [texture.max, texture.mean, texture.rms] {
+        assert!(near(value, 0.25, 1e-6), "{texture:?}");
+    }
+    // A ramp of colour against none: from 0 to 1.
+    assert!(near(color.max, 1.0, 1e-6) && near(color.mean, 0.5, 1e-3), "{color:?}");
+    assert!(near(color.rms, (1.0_f64 / 3.0).sqrt(), 1e-3), "{color:?}");
+    // What one of them has is nothing to compare.
+    let bare = between(&plain, &support::plate(6, 0.0)).attributes;
+    assert_eq!((bare.normal, bare.texture, bare.color), (None, None, None));
 }

@@ -8,7 +8,7 @@ import { expect, it } from 'vitest';
 import { openDocument } from 'decimesh';
 import { createWorkerClient } from 'decimesh/worker';
 import { glb, gltfOf } from './support/glb.ts';
-import { hills } from './support/meshes.ts';
+import { hills, objOf } from './support/meshes.ts';
 import { testWithAsset } from './support/assets.ts';
 import { temporaryDirectory } from './support/program.ts';
 
@@ -75,4 +75,17 @@ it('a map has two figures for each vertex of the level, on the page as in the wo
   } finally {
     client.terminate();
   }
+});
+
+it('attributes that both have are compared too', async () => {
+  using document = await openDocument(glb(gltfOf(hills(30))));
+  await document.simplify({ ratio: 0.05 });
+  const { attributes } = await document.measure({ samples: 20_000 });
+  expect(Object.keys(attributes ?? {})).toEqual(['normal', 'uv']);
+  // The normals are all the same; what the texture shows goes along with the surface.
+  expect(attributes!.normal!.max).toBeLessThan(0.1);
+  expect(attributes!.uv!.mean).toBeGreaterThan(0);
+  expect(attributes!.uv!.mean).toBeLessThan(0.02);
+  using bare = await openDocument([{ name: 'a.obj', bytes: objOf(hills(10)) }]);
+  expect(await bare.measure({ samples: 1000 })).not.toHaveProperty('attributes');
 });

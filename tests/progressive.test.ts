@@ -37,7 +37,7 @@ function triangles({ groups, wedgeSets }: LevelGeometry): string[] {
         [[...positions.subarray(3 * wedge, 3 * wedge + 3)].map((c) => c + 0), ...values.map(({ components, values }) => [...values.subarray(components * wedge, components * (wedge + 1))])].join(' ');
       return Array.from({ length: indices.length / 3 }, (_, t) => {
         const corners = [...indices.subarray(3 * t, 3 * t + 3)].map(corner);
-        const first = corners.indexOf(corners.toSorted()[0]!);
+        const first = corners.indexOf([...corners].sort()[0]!);
         return [group, ...corners.slice(first), ...corners.slice(0, first)].join(' | ');
       });
     })
@@ -73,7 +73,12 @@ function torus(around: number, across: number): Uint8Array {
       indices.push(a, b, c, a, c, d);
     }
   }
-  return objOf({ positions: Float32Array.from(positions), indices: Uint32Array.from(indices) });
+  return objOf({ positions: Float32Array.from(positions), indices: Uint32Array.from(indices), attributes: {} });
+}
+
+/** The same triangles, each with vertices of its own. */
+function soupOf({ positions, indices }: { positions: Float32Array; indices: Uint32Array }): { positions: Float32Array; indices: Uint32Array } {
+  return { positions: Float32Array.from([...indices].flatMap((v) => [...positions.subarray(3 * v, 3 * v + 3)])), indices: Uint32Array.from(indices.keys()) };
 }
 
 beforeAll(() => init());
@@ -159,7 +164,7 @@ describe('levels', () => {
       expect(mesh.geometry().groups[0]!.indices.length / 3).toBe(mesh.triangles);
     }
     expect(first!).toBeLessThan(0.05 * bytes.length + 1000);
-    expect(seen).toEqual(seen.toSorted((a, b) => a - b));
+    expect(seen).toEqual([...seen].sort((a, b) => a - b));
     expect(seen.at(-1)).toBe(32_000);
   });
 
@@ -204,6 +209,35 @@ describe('levels', () => {
     const coarser = mesh.refined(boxRegion([1, -9, -9], [9, 9, 9], mesh.levels[8]!.error));
     expect(coarser.groups[0]!.indices.length / 3).toBeLessThan(count);
     expect(thrown(() => decodeProgressive(bytes).refined(boxRegion([0, 0, 0], [1, 1, 1])))).toEqual(coded('wrong-state'));
+  });
+});
+
+describe('lifetimes', () => {
+  for (const [name, mesh] of [['with attributes', hills(20)], ['a soup', soupOf(hills(10))]] as const) {
+    it(`of triangles make the level of any error: ${name}`, () => {
+      using sequence = simplifySequence(mesh, { placement: 'subset' });
+      const { indices, births, deaths } = sequence.lifetimes();
+      expect(indices.length / 3).toBeLessThan(6 * (mesh.indices.length / 3));
+      const errors = [...new Set(births)].sort((a, b) => a - b);
+      expect(errors.length).toBeGreaterThan(50);
+      const at = (vertex: number): string => [...mesh.positions.subarray(3 * vertex, 3 * vertex + 3)].join(' ');
+      const turned = (corners: string[]): string => {
+        const first = corners.indexOf([...corners].sort()[0]!);
+        return [...corners.slice(first), ...corners.slice(0, first)].join(' | ');
+      };
+      for (let k = 0; k < errors.length; k += 7) {
+        const error = errors[k]!;
+        const level = sequence.level({ error });
+        const wanted = Array.from({ length: level.indices.length / 3 }, (_, t) => turned([...level.indices.subarray(3 * t, 3 * t + 3)].map((v) => at(level.vertexMap[v]!))));
+        const alive = [...births.keys()].filter((t) => births[t]! <= error && error < deaths[t]!);
+        expect(alive.map((t) => turned([...indices.subarray(3 * t, 3 * t + 3)].map(at))).sort()).toEqual(wanted.sort());
+      }
+    });
+  }
+
+  it('need vertices that stay', () => {
+    using sequence = simplifySequence(hills(10));
+    expect(thrown(() => sequence.lifetimes())).toEqual(coded('wrong-state'));
   });
 });
 

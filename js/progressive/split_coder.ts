@@ -389,7 +389,7 @@ export class SplitCoder {
       for (let k = 0; k < components && parentPlace >= 0; k += 1) {
         scale = Math.max(scale, Math.abs((sum[k] as number) - (values[parentPlace * components + k] as number)));
       }
-      (this.#values[set]?.[index] as FloatModel).code(coder, values, place * components, sum, scale);
+      ((this.#values[set] as readonly FloatModel[])[index] as FloatModel).code(coder, values, place * components, sum, scale);
     }
   }
 }
