@@ -463,7 +463,8 @@ fn attributes_are_compared_at_the_samples() {
     let plain = with([0.0, 0.0, 1.0], 0.0, 0.0);
     let same = between(&plain, &plain).attributes;
     for found in [same.normal, same.texture, same.color] {
-        assert_eq!(found, Some(AttributeDeviation::default()), "{same:?}");
+        // On an edge the neighbour may be the nearest: the same value, but for its rounding.
+        assert!(found.is_some_and(|f: AttributeDeviation| f.max < 1e-15 && f.rms < 1e-15), "{same:?}");
     }
     let other = between(&plain, &with([0.6, 0.0, 0.8], 0.25, 1.0)).attributes;
     let (normal, texture, color) = (other.normal.unwrap(), other.texture.unwrap(), other.color.unwrap());
