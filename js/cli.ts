@@ -4,8 +4,8 @@
 import { readFile } from 'node:fs/promises';
 import { basename, dirname, join, parse } from 'node:path';
 import { HELP, readArguments, usage, type Command, type Job } from './cli/arguments.js';
-import { readInput } from './cli/input.js';
-import { checkWritable, makeDirectory, outputFormat, pathIn, refuseInputs, writeAll } from './cli/output.js';
+import { readInput, type ReadInput } from './cli/input.js';
+import { checkWritable, isProgressivePath, makeDirectory, outputFormat, pathIn, refuseInputs, writeAll } from './cli/output.js';
 import { ProgressLine, errorLine, resultLine, warningLine } from './cli/text.js';
 import { openFiles, type Document, type Written } from './document.js';
 import { init } from './engine.js';
@@ -61,7 +61,7 @@ async function main(): Promise<number> {
 /** What can be known to be wrong about the outputs before anything is read. */
 function checkOutputs({ inputs, output, directory, lods }: Job): void {
   if (output !== undefined) {
-    if (outputFormat(output) !== 'glb' && lods !== undefined) throw usage('--lods', 'only .glb holds several levels; use -d for a file each');
+    if (!isProgressivePath(output) && outputFormat(output) !== 'glb' && lods !== undefined) throw usage('--lods', 'only .glb holds several levels; use -d for a file each');
     refuseInputs(output, inputs);
   }
   if (directory === undefined) return;
@@ -112,7 +112,8 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
     const { output: named, directory, options, json, measure, size, lods } = job;
     const oneFile = directory === undefined;
     const usual = lods !== undefined && oneFile ? 'glb' : usualFormat(document.summary.format);
-    const format = named === undefined ? usual : outputFormat(named);
+    const progressive = isProgressivePath(named);
+    const format = named === undefined || progressive ? usual : outputFormat(named);
     const encoding = encodingFor(format, job);
     const levels = lods === undefined || oneFile ? [undefined] : lods.map((_, level) => level);
     const outputs = levels.map((level) => named ?? (directory === undefined ? undefined : pathIn(directory, path, format, level)));
@@ -125,6 +126,7 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
       ...options,
       onProgress: (fraction) => progress.show(`${label}: ${Math.floor(100 * fraction)} %`),
     });
+    if (progressive) return await writeProgressive(document, path, named, { job, input, read });
     const onMeasured = (fraction: number): void => progress.show(`${label}: measuring, ${Math.floor(100 * fraction)} %`);
     // Which level it will be is known when the size is.
     if (measure && size === undefined) await document.measure({ onProgress: onMeasured });
@@ -158,6 +160,33 @@ async function simplifyOne(path: string, label: string, job: Job): Promise<Repor
   } finally {
     document.dispose();
   }
+}
+
+/** Writes all levels as one progressive mesh. */
+async function writeProgressive(
+  document: Document,
+  path: string,
+  output: string,
+  { job, input, read }: { job: Job; input: ReadInput; read: number },
+): Promise<Report> {
+  const start = performance.now();
+  await document.level({});
+  const bytes = await document.writeProgressive();
+  writeAll([{ path: output, bytes }]);
+  const write = performance.now() - start;
+  // The same report as of any other file, but for the output.
+  const { report } = await document.write({ format: 'glb', compress: 'none' });
+  const whole: Report = {
+    ...report,
+    input: { ...report.input, path },
+    output: { ...report.output, path: output, format: 'pmesh', bytes: bytes.byteLength, parts: { ...report.output.parts, geometry: bytes.byteLength, textures: 0, animation: 0, other: 0 } },
+    timings: { ...report.timings, read, write },
+    warnings: [...input.warnings, ...report.warnings],
+  };
+  progress.clear();
+  tellWarnings(whole.warnings, path);
+  if (!job.json) process.stdout.write(`${resultLine(whole, document.summary.diagonal)}\n`);
+  return whole;
 }
 
 /** Writes each level to a file of its own, when all of them are there; the first one's report has them all. */

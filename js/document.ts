@@ -1,5 +1,6 @@
 // A document: a whole file in the engine, simplified in steps, looked at and written at any level.
 
+import { findWithin } from './bounded.js';
 import { unpackArchives } from './codecs/archive.js';
 import { decodeFiles, type Decoded } from './codecs/decode.js';
 import { encodeGlb, type EncodedFiles, type Encoding } from './codecs/encode.js';
@@ -12,15 +13,20 @@ import {
   RUN_NAMES,
   checkMeasureOptions,
   checkNames,
+  checkProgressiveOptions,
   checkSignal,
   hasTarget,
+  resolveMaximumDeviation,
   resolveRequest,
   resolveTargets,
   type SimplifyRequest,
 } from './options.js';
 import { packLods } from './lods.js';
 import { partsOf, partsSource, type Parts, type PartsSource } from './parts.js';
-import { makeReport, type Deviation, type Report, type ReportedLod } from './report.js';
+import { makeReport, type Deviation, type DeviationMap, type Report, type ReportedLod } from './report.js';
+import { isProgressive } from './progressive/container.js';
+import type { ProgressiveOptions } from './progressive/encode.js';
+import type { ProgressiveSource } from './progressive/source.js';
 import { Turn, runInSteps } from './run.js';
 import { screenCoverages } from './screen.js';
 import { findSize } from './size.js';
@@ -79,11 +85,22 @@ export async function openDocument(input: DocumentInput, options: { signal?: Abo
 /** Opens files that are in memory; needs the engine to be loaded. Rejects as {@link openDocument} does. */
 export async function openFiles(files: readonly LoadedFile[], signal?: AbortSignal): Promise<Document> {
   const start = performance.now();
-  const unpacked = await unpackArchives(files, signal);
+  const unpacked = await unpackProgressive(await unpackArchives(files, signal));
   const decoded = await decodeFiles(unpacked, signal);
   signal?.throwIfAborted();
   const bytes = files.reduce((sum, file) => sum + file.bytes.byteLength, 0);
   return openDecoded(decoded, unpacked, bytes, start);
+}
+
+/** A progressive mesh at full detail is a GLB. */
+async function unpackProgressive(files: readonly LoadedFile[]): Promise<readonly LoadedFile[]> {
+  if (!files.some(({ bytes }) => isProgressive(bytes))) return files;
+  const [{ decodeProgressive }, { progressiveToGlb }] = await Promise.all([import('./progressive.js'), import('./progressive/to_glb.js')]);
+  return files.map((file) => {
+    if (!isProgressive(file.bytes)) return file;
+    const mesh = decodeProgressive(file.bytes);
+    return { ...file, bytes: progressiveToGlb(mesh.description, mesh.geometry()) };
+  });
 }
 
 function openDecoded({ files, compression }: Decoded, given: readonly LoadedFile[], bytes: number, start: number): Document {
@@ -109,6 +126,13 @@ function openDecoded({ files, compression }: Decoded, given: readonly LoadedFile
 export function externalFiles(bytes: Uint8Array): string[] {
   return JSON.parse(callEngine((engine) => engine.externalFiles(bytes))) as string[];
 }
+
+/** Of a limit for the measured deviation, what is kept for places between the samples. */
+const BETWEEN_SAMPLES = 0.04;
+
+/** Samples on each side while a level within a limit is searched for, and for the one that is found. */
+const SEARCH_SAMPLES = 200_000;
+const FINAL_SAMPLES = 1_000_000;
 
 /** A chain of more levels than there are octaves of triangles is a mistake. */
 const MOST_LODS = 32;
@@ -166,6 +190,7 @@ export class Document {
    */
   async simplify(options: DocumentSimplifyOptions & RunOptions = {}): Promise<LevelSummary> {
     checkNames(options, [...DOCUMENT_SIMPLIFY_NAMES, ...RUN_NAMES]);
+    if (options.maximumDeviation !== undefined) return this.#simplifyWithin(options);
     const request: SimplifyRequest = { everyLevel: !hasTarget(options), ...resolveRequest(options, this.summary) };
     // Where every level counts, others will be asked for, and are to be there at once.
     request.indexLevels = request.everyLevel === true && request.keepLevels !== true;
@@ -189,6 +214,43 @@ export class Document {
     });
   }
 
+  /** As {@link simplify} with `maximumDeviation`; after an abort or a failure full detail is selected. */
+  async #simplifyWithin({ maximumDeviation, ...options }: DocumentSimplifyOptions & RunOptions): Promise<LevelSummary> {
+    const limit = resolveMaximumDeviation({ maximumDeviation, ...options }, this.summary);
+    const { onProgress, signal } = options;
+    // Of the measurements it is not known how many there will be: each is an eighth of what is left.
+    let done = 0;
+    const within = (share: number, fraction: number): void => {
+      const now = done + (1 - done) * share * fraction;
+      if (fraction === 1) done = now;
+      if (now < 1) onProgress?.(now);
+    };
+    const recorded = await this.simplify({ ...options, everyLevel: true, onProgress: (fraction) => within(0.3, fraction) });
+    // Without a target the run selects full detail.
+    const coarsest = hasTarget(options) ? recorded : await this.level({ triangles: 0 });
+    const safe = limit * (1 - BETWEEN_SAMPLES);
+    const measured = async (triangles: number, samples: number): Promise<{ triangles: number; max: number }> => {
+      const level = await this.level({ triangles }, { signal });
+      const { max } = await this.measure({ samples, signal, onProgress: (fraction) => within(1 / 8, fraction) });
+      return { triangles: level.triangles, max };
+    };
+    try {
+      const { triangles: most } = this.summary;
+      const guess = await this.level({ error: safe / 2 }, { signal });
+      const range = { least: Math.min(coarsest.triangles, most), most, start: guess.triangles };
+      let triangles = await findWithin(safe, range, (wanted) => measured(wanted, SEARCH_SAMPLES));
+      // With more samples the maximum may be a little more.
+      while (triangles < most && (await measured(triangles, FINAL_SAMPLES)).max > safe) triangles = Math.min(most, Math.ceil(triangles * 1.02) + 1);
+      const level = await this.level(triangles >= most ? {} : { triangles });
+      onProgress?.(1);
+      if (level.triangles <= coarsest.triangles) return (this.#level = { ...level, stopReason: coarsest.stopReason, blockers: coarsest.blockers });
+      return (this.#level = { ...level, stopReason: 'error' });
+    } catch (error) {
+      if (!(error instanceof DecimeshError && error.code === 'disposed')) await this.level({});
+      throw error;
+    }
+  }
+
   /**
    * Measures how far the selected level is from the original, both ways, by sampling; the report of {@link write} has
    * the result as long as that level is selected.
@@ -196,19 +258,43 @@ export class Document {
    * The level is the one selected at the call; the document can be used while it runs. Rejects as {@link simplify} does.
    */
   async measure(options: MeasureOptions & RunOptions = {}): Promise<Deviation> {
+    return (await this.#measure(options, false)).deviation;
+  }
+
+  /**
+   * As {@link measure}, and how far each vertex of the selected level is from the original, for a heat map; the order is
+   * that of {@link geometry}. It takes as long.
+   */
+  async deviationMap(options: MeasureOptions & RunOptions = {}): Promise<DeviationMap> {
+    const { deviation, map, mapLengths } = await this.#measure(options, true);
+    const half = map.length / 2;
+    let start = 0;
+    const wedgeSets = mapLengths.map((length) => {
+      const [from, to] = [start, (start += length)];
+      return { distances: map.slice(from, to), surroundings: map.slice(half + from, half + to) };
+    });
+    return { deviation, wedgeSets };
+  }
+
+  async #measure(
+    options: MeasureOptions & RunOptions,
+    wantsMap: boolean,
+  ): Promise<{ deviation: Deviation; map: Float32Array; mapLengths: readonly number[] }> {
     checkMeasureOptions(options);
     this.#model.check();
     return this.#measuring.take(options.signal, async () => {
       const [start, level] = [performance.now(), this.#levelNumber];
       await this.#runInEngine(options, {
-        begin: (model) => model.beginMeasure(options.samples),
+        begin: (model) => model.beginMeasure(options.samples, wantsMap),
         step: (model, work) => model.stepMeasure(work),
         cancel: (model) => model.cancelMeasure(),
       });
-      const deviation = JSON.parse(this.#model.call((model) => model.takeDeviation())) as Deviation;
+      type Taken = Deviation & { readonly mapLengths?: readonly number[] };
+      const { mapLengths = [], ...deviation } = JSON.parse(this.#model.call((model) => model.takeDeviation())) as Taken;
+      const map = this.#model.call((model) => model.takeMap());
       if (this.#levelNumber === level) this.#measured = { deviation, milliseconds: performance.now() - start };
       options.onProgress?.(1);
-      return deviation;
+      return { deviation, map, mapLengths };
     });
   }
 
@@ -403,6 +489,43 @@ export class Document {
       screenCoverage: coverages[index] as number,
     }));
     return { encoded: await this.#encodeWritten(packLods(files, coverages), 'glb', encoding, gltfName), lods };
+  }
+
+  /**
+   * The geometry as a progressive mesh, for `decimesh/progressive` to read: the coarsest recorded level and what leads from
+   * there to full detail. Materials are named in it and not contained. The selected level stays as it is.
+   *
+   * Rejects with `wrong-state` unless every level was recorded with `placement: 'subset'`:
+   * `simplify({ placement: 'subset' })`.
+   */
+  async writeProgressive(options: ProgressiveOptions = {}): Promise<Uint8Array<ArrayBuffer>> {
+    checkProgressiveOptions(options);
+    const source = this.#progressiveSource();
+    const { encodeProgressive } = await import('./progressive/encode.js');
+    return encodeProgressive(source, options);
+  }
+
+  #progressiveSource(): ProgressiveSource {
+    const { groups, wedgeSets, diagonal } = this.summary;
+    return this.#model.call((model) => {
+      const words = model.history();
+      model.putAside();
+      try {
+        return {
+          words,
+          diagonal,
+          groups: groups.map(({ mesh, primitive, object, material, wedgeSet }, index) => ({
+            mesh, primitive, object, material, wedgeSet, indices: model.levelIndices(index),
+          })),
+          wedgeSets: wedgeSets.map(({ attributes }, set) => ({
+            positions: model.levelPositions(set),
+            attributes: attributes.map((attribute, index) => ({ ...attribute, values: model.levelAttribute(set, index) })),
+          })),
+        };
+      } finally {
+        model.bringBack();
+      }
+    });
   }
 
   /** Frees the document's memory; what runs rejects with `disposed`. May be called twice. */

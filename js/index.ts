@@ -5,10 +5,12 @@ export { describeBlockers } from './blockers.js';
 export { COMPRESSIONS, OUTPUT_FORMATS } from './formats.js';
 export { PRESETS } from './options.js';
 export { openDocument, externalFiles, type Document, type Written } from './document.js';
+export type { TriangleLifetimes } from './progressive/lifetimes.js';
+export type { ProgressiveOptions } from './progressive/encode.js';
 export { simplify, simplifySequence, type MeshSequence } from './simplify.js';
 export { DecimeshError, type EngineErrorCode, type ErrorCode, type HostErrorCode } from './errors.js';
 export type { Parts } from './parts.js';
-export type { Deviation, Report, ReportedFile, ReportedLod, SideDeviation, Timings } from './report.js';
+export type { AttributeDeviation, Deviation, DeviationMap, Report, ReportedFile, ReportedLod, SideDeviation, Timings, WedgeSetDeviation } from './report.js';
 export type {
   AttributeArray,
   AttributeWeights,

@@ -2,6 +2,7 @@
 
 import { checkNames } from './check.js';
 import { invalidArgument } from './errors.js';
+import type { ProgressiveOptions } from './progressive/encode.js';
 import { errorOfPixels } from './screen.js';
 import type {
   AttributeWeights, DocumentSimplifyOptions, LevelTargets, MeasureOptions, MeshSimplifyOptions, Preset, RunOptions, Targets,
@@ -58,7 +59,7 @@ export const MESH_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'weigh
 export const WEIGHT_NAMES = ['normal', 'uv', 'color', 'morph'] as const;
 
 /** Names of {@link DocumentSimplifyOptions}. */
-export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels', 'weightAttribute', 'weightScale'];
+export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels', 'weightAttribute', 'weightScale', 'maximumDeviation'];
 
 /** Names of {@link RunOptions}. */
 export const RUN_NAMES: readonly string[] = ['onProgress', 'signal'];
@@ -132,6 +133,15 @@ export function resolveRequest(options: DocumentSimplifyOptions & RunOptions, sc
   return request;
 }
 
+/** The largest measured deviation that `options` allow, model units; throws `invalid-argument`. */
+export function resolveMaximumDeviation({ maximumDeviation, keepLevels, everyLevel }: DocumentSimplifyOptions, { diagonal }: Scale): number {
+  const limit = lengthInModelUnits('maximumDeviation', maximumDeviation as number | string, diagonal);
+  if (limit === 0) throw invalidArgument('maximumDeviation', 'must be above 0: only the original is at no distance from itself');
+  if (keepLevels === true) throw invalidArgument('keepLevels', 'is not possible beside maximumDeviation, which records all levels');
+  if (everyLevel === false) throw invalidArgument('everyLevel', 'is needed by maximumDeviation');
+  return limit;
+}
+
 /** Checks the types and lengths of weights and locks; the values are the engine's to check. */
 export function checkProtection({ weights, locked }: MeshSimplifyOptions, vertices: number): void {
   if (weights !== undefined && !(weights instanceof Float32Array && weights.length === vertices)) {
@@ -165,6 +175,12 @@ export function checkMeasureOptions(options: MeasureOptions & RunOptions): void 
     throw invalidArgument('onProgress', 'must be a function');
   }
   checkSignal(signal);
+}
+
+/** Checks `options` of a progressive mesh. */
+export function checkProgressiveOptions(options: ProgressiveOptions): void {
+  checkNames(options, ['keepOrder']);
+  if (options.keepOrder !== undefined && typeof options.keepOrder !== 'boolean') throw invalidArgument('keepOrder', 'must be true or false');
 }
 
 /** Throws `invalid-argument` unless `signal` is an AbortSignal or absent. */

@@ -4,7 +4,7 @@ import type { Parts } from './parts.js';
 import type { Blockers, DocumentSummary, Format, LevelSummary, OutputFormat, StopReason, Warning } from './types.js';
 
 /** A file in a report. */
-export interface ReportedFile<FileFormat extends Format = Format> {
+export interface ReportedFile<FileFormat extends Format | 'pmesh' = Format> {
   /** Null where there is no file, only bytes. */
   readonly path: string | null;
   readonly format: FileFormat;
@@ -27,6 +27,16 @@ export interface SideDeviation {
   readonly samples: number;
 }
 
+/** How far an attribute of the surfaces is apart, over both. */
+export interface AttributeDeviation {
+  /** The largest at any sample. */
+  readonly max: number;
+  /** Average over the area. */
+  readonly mean: number;
+  /** Root mean square over the area. */
+  readonly rms: number;
+}
+
 /** Measured distances between the original and the selected level, model units. */
 export interface Deviation {
   /** The larger of the sides'. */
@@ -41,6 +51,32 @@ export interface Deviation {
   readonly originalToSimplified: SideDeviation;
   /** What was made up: how far the level is from the original. */
   readonly simplifiedToOriginal: SideDeviation;
+  /**
+   * How far attributes are apart between each sample and the place of the other surface that is nearest, where both have
+   * them: normals in degrees, the first texture coordinates in their own units (1 is the width of the texture), the first
+   * colours as a distance (1 is the range of a component). Absent without any. On seams of the texture, where the nearest
+   * place may be on the other side, the maximum says nothing.
+   */
+  readonly attributes?: { readonly normal?: AttributeDeviation; readonly uv?: AttributeDeviation; readonly color?: AttributeDeviation };
+}
+
+/** How far a level is from the original at each of its vertices, model units. The arrays are the caller's own. */
+export interface DeviationMap {
+  /** The whole level's; what colours can be scaled by. */
+  readonly deviation: Deviation;
+  /** One for each wedge set of the level, in the order of its vertices; vertices at one place have the same values. */
+  readonly wedgeSets: readonly WedgeSetDeviation[];
+}
+
+/** Two measures of the same vertices. */
+export interface WedgeSetDeviation {
+  /** From each vertex to the original surface. All 0 where `placement` is `'subset'`: the vertices are the original's. */
+  readonly distances: Float32Array;
+  /**
+   * The largest distance that was measured, from either surface to the other, at places nearer to the vertex than to the
+   * level's other vertices: also what is lost between vertices that are in their places.
+   */
+  readonly surroundings: Float32Array;
 }
 
 /** Milliseconds spent on each part. */
@@ -68,7 +104,8 @@ export interface ReportedLod {
 /** What `--json` prints and `Document.write` returns; lengths in model units. */
 export interface Report {
   readonly input: ReportedFile;
-  readonly output: ReportedFile<OutputFormat>;
+  /** `pmesh`, a progressive mesh, on the command line alone. */
+  readonly output: ReportedFile<OutputFormat | 'pmesh'>;
   /** Null when nothing was simplified. */
   readonly stopReason: StopReason | null;
   /** What blocks the edges that are left, if the run ended for `'error'` or `'constraints'`. */

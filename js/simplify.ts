@@ -7,12 +7,16 @@ import {
   RUN_NAMES,
   checkHasTarget,
   checkNames,
+  checkProgressiveOptions,
   checkProtection,
   resolveRequest,
   resolveTargets,
   type Scale,
   type SimplifyRequest,
 } from './options.js';
+import { lifetimesOf, type TriangleLifetimes } from './progressive/lifetimes.js';
+import type { ProgressiveOptions } from './progressive/encode.js';
+import type { ProgressiveSource } from './progressive/source.js';
 import { runInSteps, runToEnd, type TimeLimit } from './run.js';
 import type { LevelSummary, LevelTargets, MeshInput, MeshSimplifyOptions, RunOptions, SimplifiedMesh } from './types.js';
 import type { Model } from './wasm/decimesh.js';
@@ -84,6 +88,26 @@ export class MeshSequence {
     return this.#run.level(resolveTargets(targets, this.#run.scale));
   }
 
+  /**
+   * All levels as a progressive mesh, for `decimesh/progressive` to read. Numbers are floats in it, whatever arrays they
+   * came in. Rejects with `wrong-state` unless the sequence was made with `placement: 'subset'`.
+   */
+  async writeProgressive(options: ProgressiveOptions = {}): Promise<Uint8Array<ArrayBuffer>> {
+    checkProgressiveOptions(options);
+    const source = this.#run.progressiveSource();
+    const { encodeProgressive } = await import('./progressive/encode.js');
+    return encodeProgressive(source, options);
+  }
+
+  /**
+   * Every triangle of every level, with the errors between which it is there: those with births ≤ ε < deaths are
+   * `level({ error: ε })`, found in linear time by whoever has the arrays, on a graphics card too. Throws `wrong-state` unless
+   * the sequence was made with `placement: 'subset'`, so that vertices are those of the input.
+   */
+  lifetimes(): TriangleLifetimes {
+    return lifetimesOf(this.#run.progressiveSource());
+  }
+
   /** Frees the memory in the engine. May be called twice. */
   dispose(): void {
     this.#run.dispose();
@@ -149,6 +173,25 @@ class MeshRun {
         blockers,
         vertexMap: model.levelWedgeMap(),
       };
+    });
+  }
+
+  progressiveSource(): ProgressiveSource {
+    return this.#model.call((model) => {
+      const words = model.history();
+      model.putAside();
+      try {
+        const indices = model.levelIndices(0);
+        const attributes = this.#attributes.map(({ name, components }, index) => ({ name, components, values: model.levelAttribute(0, index) }));
+        return {
+          words,
+          diagonal: this.scale.diagonal,
+          groups: [{ indices, wedgeSet: 0, mesh: 0, primitive: 0, object: null, material: null }],
+          wedgeSets: [{ positions: model.levelPositions(0), attributes }],
+        };
+      } finally {
+        model.bringBack();
+      }
     });
   }
 

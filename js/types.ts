@@ -215,6 +215,13 @@ export interface MeshSimplifyOptions extends SimplifyOptions {
 /** How to simplify a document, whose levels can be asked for afterwards. */
 export interface DocumentSimplifyOptions extends SimplifyOptions {
   /**
+   * The largest distance of either surface from the other that may be measured: a number > 0 in model units, or `'0.1%'` of
+   * the bounding box's diagonal. Records every level and selects the coarsest found whose maximum, measured both ways with a
+   * million samples on each side beside vertices and edges, is below it by 4 %, for what lies between the samples. Takes
+   * about ten measurements. Beside other targets, the first that is reached counts. Default: nothing is measured.
+   */
+  readonly maximumDeviation?: number | `${number}%` | undefined;
+  /**
    * Levels beside the target are wanted too. Each is then as good as a sweep to that level alone, but the final fit of
    * the presets, which improves the target's level only, is left out. Default: true when no target is given.
    */

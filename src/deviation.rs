@@ -12,14 +12,20 @@
 //! areas are then put together in world units ([`Part::scale`](crate::mesh::Part)). Triangles
 //! without an area are not part of a surface.
 
+mod attributes;
 mod bvh;
+mod map;
 mod sampling;
 mod surface;
 mod triangle;
 
+pub use attributes::{AttributeDeviation, AttributeDeviations};
+
 use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
 use crate::simplify::Progress;
+use attributes::Comparison;
+use map::DistanceMap;
 use sampling::{Sample, SampleKind, Sampler, Spacing};
 use surface::Surface;
 
@@ -31,11 +37,13 @@ pub struct DeviationOptions {
     pub sample_count: usize,
     /// Whether [`Deviation::vertex_distances`] is wanted; default false.
     pub vertex_distances: bool,
+    /// Whether [`Deviation::simplified_distances`] and [`Deviation::simplified_surroundings`] are wanted; default false.
+    pub simplified_map: bool,
 }
 
 impl Default for DeviationOptions {
     fn default() -> Self {
-        Self { sample_count: 400_000, vertex_distances: false }
+        Self { sample_count: 400_000, vertex_distances: false, simplified_map: false }
     }
 }
 
@@ -67,9 +75,17 @@ pub struct Deviation {
     pub original_to_simplified: SideDeviation,
     /// Samples on the simplified surface, distances from the original: what was made up.
     pub simplified_to_original: SideDeviation,
+    /// How far attributes are apart at the same samples.
+    pub attributes: AttributeDeviations,
     /// For each wedge of the original its distance from the simplified surface, 0 for wedges
     /// without a triangle; empty unless it was asked for.
     pub vertex_distances: Vec<f32>,
+    /// For each wedge of the simplified mesh its distance from the original; 0 for wedges without a triangle. Empty
+    /// unless a map was asked for.
+    pub simplified_distances: Vec<f32>,
+    /// For each wedge of the simplified mesh the largest distance that was measured, either way, nearer to its vertex
+    /// than to others; so also what is lost next to a vertex that is in its place. Empty likewise.
+    pub simplified_surroundings: Vec<f32>,
 }
 
 /// Measures to the end. See [`DeviationMeter`] for doing it in bounded steps.
@@ -94,6 +110,8 @@ pub struct DeviationMeter {
     wedge_counts: [usize; 2],
     sums: [Sums; 2],
     vertex_distances: Vec<f32>,
+    map: Option<DistanceMap>,
+    comparison: Option<Comparison>,
     stage: Stage,
     work_done: f64,
     work_in_all: f64,
@@ -172,6 +190,8 @@ impl DeviationMeter {
             wedge_counts: [original.positions.len(), simplified.positions.len()],
             sums: [Sums::default(); 2],
             vertex_distances: if options.vertex_distances { vec![0.0; original.positions.len()] } else { Vec::new() },
+            comparison: Comparison::new(original, simplified),
+            map: options.simplified_map.then(|| DistanceMap::new(simplified)),
             stage: Stage::Build { side: 0, part: 0 },
             work_done: 0.0,
             work_in_all: build_work + walk_work,
@@ -206,6 +226,7 @@ impl DeviationMeter {
         // A side without a surface has nothing to say.
         let both = self.sums.iter().all(Sums::any);
         let share = if both { 0.5 } else { 1.0 };
+        let (simplified_distances, simplified_surroundings) = self.map.map(DistanceMap::finish).unwrap_or_default();
         Deviation {
             max: lost.max.max(made_up.max),
             mean: share * (lost.mean + made_up.mean),
@@ -213,7 +234,10 @@ impl DeviationMeter {
             diagonal: self.diagonal,
             original_to_simplified: lost,
             simplified_to_original: made_up,
+            attributes: self.comparison.map(Comparison::finish).unwrap_or_default(),
             vertex_distances: self.vertex_distances,
+            simplified_distances,
+            simplified_surroundings,
         }
     }
 
@@ -284,6 +308,24 @@ impl DeviationMeter {
                 let squared = if nearest.distance_squared > nothing { nearest.distance_squared } else { 0.0 };
                 let distance = squared.sqrt() * scale;
                 sums.add(distance, kind);
+                let triangle = walk.sampler.triangle();
+                if let Some(comparison) = &mut self.comparison {
+                    let (way, opposite) = (mine.walkway(scale), other.walkway(scale));
+                    let at = nearest.triangle as usize;
+                    let here = (&way.corners[triangle], &way.wedges[triangle]);
+                    let there = (&opposite.corners[at], &opposite.wedges[at]);
+                    comparison.add(side, point, here, there, kind == SampleKind::Face);
+                }
+                if let Some(map) = &mut self.map {
+                    // Either way it is a triangle of the simplified surface that is marked.
+                    let (surface, triangle) =
+                        if side == 0 { (other, nearest.triangle as usize) } else { (mine, triangle) };
+                    let way = surface.walkway(scale);
+                    map.mark(point, &way.corners[triangle], &way.wedges[triangle], distance);
+                    if let (1, SampleKind::Vertex(wedge)) = (side, kind) {
+                        map.put(wedge, distance);
+                    }
+                }
                 if let (0, SampleKind::Vertex(wedge)) = (side, kind)
                     && let Some(entry) = self.vertex_distances.get_mut(wedge as usize)
                 {

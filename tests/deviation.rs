@@ -5,14 +5,14 @@
 mod support;
 
 use decimesh::ErrorCode;
-use decimesh::deviation::{Deviation, DeviationMeter, DeviationOptions, measure};
+use decimesh::deviation::{AttributeDeviation, Deviation, DeviationMeter, DeviationOptions, measure};
 use decimesh::lod::{self, Level};
-use decimesh::mesh::{Group, Mesh, Part, WedgeSet};
+use decimesh::mesh::{Attribute, Blend, Group, Mesh, Part, WedgeSet};
 use decimesh::simplify::{SimplifyOptions, simplify};
 use proptest::prelude::*;
 
 fn with(sample_count: usize) -> DeviationOptions {
-    DeviationOptions { sample_count, vertex_distances: true }
+    DeviationOptions { sample_count, vertex_distances: true, simplified_map: true }
 }
 
 fn between(original: &Mesh, simplified: &Mesh) -> Deviation {
@@ -138,7 +138,7 @@ fn the_maximum_is_found_at_a_vertex_and_on_an_edge_however_few_the_samples() {
     let plate = support::plate(40, 0.0);
     let mut spiked = plate.clone();
     spiked.positions[20 * 41 + 20][2] = 3.0;
-    let options = DeviationOptions { sample_count: 10, vertex_distances: false };
+    let options = DeviationOptions { sample_count: 10, vertex_distances: false, ..DeviationOptions::default() };
     assert_eq!(measure(&spiked, &plate, &options).unwrap().max, 3.0);
     let roof = Mesh::from_arrays(
         vec![[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [4.0, -3.0, 0.0], [4.0, 3.0, 0.0]],
@@ -415,4 +415,69 @@ proptest! {
             prop_assert!(deviation.max.is_finite() && deviation.mean.is_finite() && deviation.rms.is_finite());
         }
     }
+}
+
+#[test]
+fn the_map_tells_of_each_vertex_and_of_what_is_around_it() {
+    let plate = support::plate(8, 0.0);
+    let raised = moved(&plate, |[x, y, z]| [x, y, z + 0.5]);
+    let map = between(&plate, &raised);
+    assert_eq!(map.simplified_distances, vec![0.5; 81]);
+    assert_eq!(map.simplified_surroundings, vec![0.5; 81]);
+    // A bump in the middle of a plate of which the level has only the corners: they are in their places.
+    let mut bumped = plate.clone();
+    bumped.positions[4 * 9 + 4][2] = 2.0;
+    let corners = [0, 8, 72, 80].map(|w: usize| plate.positions[w]).to_vec();
+    let level = Mesh::from_arrays(corners, vec![[0, 1, 3], [0, 3, 2]], vec![]);
+    let map = between(&bumped, &level);
+    assert_eq!(map.simplified_distances, vec![0.0; 4]);
+    let highest = map.simplified_surroundings.iter().copied().fold(0.0, f32::max);
+    assert_eq!(f64::from(highest), map.max, "{:?}", map.simplified_surroundings);
+    assert!(map.simplified_surroundings.iter().all(|&d| d > 0.0));
+    // Two triangles that do not share wedges, but places: the map has no seam.
+    let soup: Vec<[f32; 3]> = level.triangles.iter().flatten().map(|&w| level.positions[w as usize]).collect();
+    let soup = between(&bumped, &Mesh::from_arrays(soup, vec![[0, 1, 2], [3, 4, 5]], vec![]));
+    assert_eq!(soup.simplified_surroundings[0], soup.simplified_surroundings[3]);
+    assert_eq!(soup.simplified_surroundings[2], soup.simplified_surroundings[4]);
+    let without = measure(&plate, &raised, &DeviationOptions::default()).unwrap();
+    assert!(without.simplified_distances.is_empty() && without.simplified_surroundings.is_empty());
+}
+
+#[test]
+fn attributes_are_compared_at_the_samples() {
+    let with = |normal: [f32; 3], shift: f32, color: f32| {
+        let mut plate = support::plate(6, 0.0);
+        let attribute = |name: &str, components: usize, value: &dyn Fn(&[f32; 3]) -> Vec<f32>| Attribute {
+            name: name.into(),
+            components,
+            values: plate.positions.iter().flat_map(value).collect(),
+            blend: Blend::Linear,
+        };
+        plate.wedge_sets[0].attributes = vec![
+            attribute("NORMAL", 3, &|_| normal.to_vec()),
+            attribute("TEXCOORD_0", 2, &|p| vec![p[0] / 6.0 + shift, p[1] / 6.0]),
+            attribute("COLOR_0", 3, &|p| vec![color * p[0] / 6.0, 0.0, 0.0]),
+        ];
+        plate
+    };
+    let plain = with([0.0, 0.0, 1.0], 0.0, 0.0);
+    let same = between(&plain, &plain).attributes;
+    for found in [same.normal, same.texture, same.color] {
+        // On an edge the neighbour may be the nearest: the same value, but for its rounding.
+        assert!(found.is_some_and(|f: AttributeDeviation| f.max < 1e-15 && f.rms < 1e-15), "{same:?}");
+    }
+    let other = between(&plain, &with([0.6, 0.0, 0.8], 0.25, 1.0)).attributes;
+    let (normal, texture, color) = (other.normal.unwrap(), other.texture.unwrap(), other.color.unwrap());
+    for value in [normal.max, normal.mean, normal.rms] {
+        assert!(near(value, 0.6_f64.asin().to_degrees(), 1e-6), "{normal:?}");
+    }
+    for value in [texture.max, texture.mean, texture.rms] {
+        assert!(near(value, 0.25, 1e-6), "{texture:?}");
+    }
+    // A ramp of colour against none: from 0 to 1.
+    assert!(near(color.max, 1.0, 1e-6) && near(color.mean, 0.5, 1e-3), "{color:?}");
+    assert!(near(color.rms, (1.0_f64 / 3.0).sqrt(), 1e-3), "{color:?}");
+    // What one of them has is nothing to compare.
+    let bare = between(&plain, &support::plate(6, 0.0)).attributes;
+    assert_eq!((bare.normal, bare.texture, bare.color), (None, None, None));
 }

@@ -4,6 +4,7 @@ import { parseArgs, type ParseArgsConfig } from 'node:util';
 import { DecimeshError } from '../errors.js';
 import { PRESETS, WEIGHT_NAMES, isPreset } from '../options.js';
 import { COMPRESSIONS, isCompression } from '../formats.js';
+import { isProgressivePath } from './output.js';
 import type { AttributeWeights, Compression, DocumentSimplifyOptions } from '../types.js';
 
 /** Files to simplify, and how. */
@@ -34,16 +35,19 @@ export const HELP = `decimesh: fewer triangles for 3D models, with the same look
 
   decimesh INPUT -o OUTPUT [options]     one file; its format by the extension: .glb, .gltf (with
                                          its files beside it), .obj, .ply, .stl, .off, .smf
+  decimesh INPUT -o OUTPUT.pmesh         a progressive mesh, which refines while it is downloaded;
+                                         no target needed
   decimesh INPUTS… -d DIR [options]      many files, into a directory that is made if need be
   decimesh INPUT --json [options]        only a report
 
-Input is .glb, .gltf, .obj (their files are looked for in the same folder and below), .ply, .stl, .off or .smf, or a
-.zip of these, told by the content, whatever the extension says.
+Input is .glb, .gltf, .obj (their files are looked for in the same folder and below), .ply, .stl, .off, .smf or .pmesh,
+or a .zip of these, told by the content, whatever the extension says.
 
 How far (name one; of several, the first that is reached stops):
   -r, --ratio R        keep this share of the triangles, 0 to 1
   -t, --triangles N    at most N triangles in the whole file
   -e, --error E        estimated deviation, 0.1% of the bounding box's diagonal or a number in model units
+  --max-deviation E    largest measured distance of either surface from the other, as --error; slower
   -s, --size BYTES     output at most this large: 500k, 2MB (k is 1000; KiB, MiB: 1024)
   --lods R,R,…         instead of these, several levels by their share of the triangles: with -o one GLB
                        that has them all (MSFT_lod), with -d one file each, NAME_LOD0 and so on
@@ -78,6 +82,7 @@ const OPTIONS = {
   ratio: { type: 'string', short: 'r' },
   triangles: { type: 'string', short: 't' },
   error: { type: 'string', short: 'e' },
+  'max-deviation': { type: 'string' },
   size: { type: 'string', short: 's' },
   lods: { type: 'string' },
   'attribute-weights': { type: 'string' },
@@ -136,17 +141,22 @@ export function readArguments(args: readonly string[]): Command {
   if (lods !== undefined && measure) throw usage('--measure', 'is of one level; leave out --lods');
   if (lods?.length === 1 && directory === undefined) throw usage('--lods', 'name at least two levels for one file');
   const size = byteCount(values.size);
-  const options = simplifyOptions(values, lods);
+  const options = simplifyOptions(values, lods, isProgressivePath(output));
   return { action: 'simplify', inputs, output, directory, json, measure, options, size, lods, compress, quantize };
 }
 
-function simplifyOptions(values: Values, lods: readonly number[] | undefined): DocumentSimplifyOptions {
+function simplifyOptions(values: Values, lods: readonly number[] | undefined, progressive: boolean): DocumentSimplifyOptions {
   const { ratio, triangles, error, size, placement, preset } = values;
-  const targets = Object.entries({ ratio, triangles, error, size }).filter(([, value]) => value !== undefined);
-  if (targets.length === 0 && lods === undefined) {
-    throw usage('options', 'name a target: --ratio R, --triangles N, --error E, --size BYTES or --lods R,R');
+  const targets = Object.entries({ ratio, triangles, error, size, 'max-deviation': values['max-deviation'] }).filter(([, value]) => value !== undefined);
+  if (progressive) {
+    const wrong = ['size', 'max-deviation', 'lods', 'compress', 'quantize', 'measure'].find((name) => values[name as keyof Values] !== undefined);
+    if (wrong !== undefined) throw usage(`--${wrong}`, 'is not possible with a .pmesh, which has all levels');
+    if (placement === 'optimal') throw usage('--placement', 'must be subset for a .pmesh');
+  } else if (targets.length === 0 && lods === undefined) {
+    throw usage('options', 'name a target: --ratio R, --triangles N, --error E, --max-deviation E, --size BYTES or --lods R,R');
   }
   if (targets[0] !== undefined && lods !== undefined) throw usage('--lods', `leave out --${targets[0][0]}`);
+  if (size !== undefined && values['max-deviation'] !== undefined) throw usage('--size', 'leave out --max-deviation');
   if (placement !== undefined && placement !== 'optimal' && placement !== 'subset') {
     throw usage('--placement', `must be optimal or subset, not '${placement}'`);
   }
@@ -159,11 +169,12 @@ function simplifyOptions(values: Values, lods: readonly number[] | undefined): D
   return {
     ratio: lods === undefined ? number('--ratio', ratio, 'a number from 0 to 1', (value) => value <= 1) : Math.min(...lods),
     // These look for their levels in the history.
-    ...(lods === undefined && size === undefined ? {} : { everyLevel: true }),
+    ...(lods === undefined && size === undefined && !progressive ? {} : { everyLevel: true }),
     triangles: number('--triangles', triangles, 'an integer of at least 0', Number.isSafeInteger),
     error: lengthOf('--error', error),
+    maximumDeviation: lengthOf('--max-deviation', values['max-deviation']),
     attributeWeights: attributeWeights(values['attribute-weights']),
-    placement,
+    placement: progressive ? 'subset' : placement,
     preset,
     timeBudget: number('--time-budget', values['time-budget'], 'a number of milliseconds of at least 0', () => true),
     lockBorder: values['lock-border'],

@@ -3,6 +3,7 @@
 import { accessSync, constants, mkdirSync, realpathSync, renameSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { basename, dirname, extname, join, parse, resolve } from 'node:path';
 import { isOutputFormat, OUTPUT_FORMATS } from '../formats.js';
+import { PROGRESSIVE_EXTENSION } from '../progressive/container.js';
 import type { OutputFormat } from '../types.js';
 import { usage } from './arguments.js';
 import { fileError, isMissing } from './file_error.js';
@@ -13,7 +14,12 @@ export function outputFormat(path: string): OutputFormat {
   const format = extension.slice(1);
   if (isOutputFormat(format)) return format;
   const what = extension === '' ? 'has no extension' : `cannot be written as ${extension}`;
-  throw usage('-o', `'${path}' ${what}; known are ${OUTPUT_FORMATS.map((known) => `.${known}`).join(', ')}`);
+  throw usage('-o', `'${path}' ${what}; known are ${OUTPUT_FORMATS.map((known) => `.${known}`).join(', ')}, ${PROGRESSIVE_EXTENSION}`);
+}
+
+/** Whether a path is to be a progressive mesh, which is no format of documents. */
+export function isProgressivePath(path: string | undefined): path is string {
+  return path !== undefined && extname(path).toLowerCase() === PROGRESSIVE_EXTENSION;
 }
 
 /** The path in `directory` for a result of `input` in `format`; of several, for the level number `level`. */

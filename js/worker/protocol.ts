@@ -8,7 +8,8 @@
 import type { ErrorData } from '../errors.js';
 import type { LoadedFile } from '../files.js';
 import type { Written } from '../document.js';
-import type { Deviation } from '../report.js';
+import type { ProgressiveOptions } from '../progressive/encode.js';
+import type { Deviation, DeviationMap } from '../report.js';
 import type {
   DocumentSimplifyOptions,
   DocumentSummary,
@@ -53,6 +54,14 @@ export interface MeasureRequest {
   readonly options: MeasureOptions;
 }
 
+/** Measures it with a map. Answered by {@link DeviationMapReply}. */
+export interface DeviationMapRequest {
+  readonly type: 'deviation-map';
+  readonly id: number;
+  readonly document: number;
+  readonly options: MeasureOptions;
+}
+
 /** Asks for the selected level's arrays. Answered by {@link GeometryReply}. */
 export interface GeometryRequest {
   readonly type: 'geometry';
@@ -66,6 +75,14 @@ export interface WriteRequest {
   readonly id: number;
   readonly document: number;
   readonly options: WriteOptions;
+}
+
+/** Writes a progressive mesh. Answered by {@link ProgressiveReply}. */
+export interface WriteProgressiveRequest {
+  readonly type: 'write-progressive';
+  readonly id: number;
+  readonly document: number;
+  readonly options: ProgressiveOptions;
 }
 
 /** Simplifies bare arrays; nothing stays in the worker. Answered by {@link SimplifiedReply}. */
@@ -100,9 +117,11 @@ export type AnsweredRequest =
   | OpenRequest
   | SimplifyRequest
   | MeasureRequest
+  | DeviationMapRequest
   | LevelRequest
   | GeometryRequest
   | WriteRequest
+  | WriteProgressiveRequest
   | SimplifyArraysRequest
   | ExternalFilesRequest;
 
@@ -132,6 +151,13 @@ export interface MeasuredReply {
 }
 
 /** Its arrays are transferred. */
+export interface DeviationMapReply {
+  readonly type: 'deviation-map';
+  readonly id: number;
+  readonly map: DeviationMap;
+}
+
+/** Its arrays are transferred. */
 export interface GeometryReply {
   readonly type: 'geometry';
   readonly id: number;
@@ -143,6 +169,13 @@ export interface WrittenReply {
   readonly type: 'written';
   readonly id: number;
   readonly written: Written;
+}
+
+/** Its bytes are transferred. */
+export interface ProgressiveReply {
+  readonly type: 'progressive';
+  readonly id: number;
+  readonly bytes: Uint8Array<ArrayBuffer>;
 }
 
 /** Its arrays are transferred. */
@@ -184,8 +217,10 @@ export type Answer =
   | Opened
   | LevelReply
   | MeasuredReply
+  | DeviationMapReply
   | GeometryReply
   | WrittenReply
+  | ProgressiveReply
   | SimplifiedReply
   | ExternalFilesReply;
 
@@ -197,9 +232,11 @@ export interface AnswerTo {
   open: Opened;
   simplify: LevelReply;
   measure: MeasuredReply;
+  'deviation-map': DeviationMapReply;
   level: LevelReply;
   geometry: GeometryReply;
   write: WrittenReply;
+  'write-progressive': ProgressiveReply;
   'simplify-arrays': SimplifiedReply;
   'external-files': ExternalFilesReply;
 }

@@ -61,6 +61,10 @@ export class Session {
         const document = this.#document(request.document);
         return { type: 'measured', id, deviation: await document.measure({ ...request.options, signal, onProgress }) };
       }
+      case 'deviation-map': {
+        const document = this.#document(request.document);
+        return { type: 'deviation-map', id, map: await document.deviationMap({ ...request.options, signal, onProgress }) };
+      }
       case 'level': {
         const document = this.#document(request.document);
         return { type: 'level', id, level: await document.level(request.targets, { signal, onProgress }) };
@@ -69,6 +73,8 @@ export class Session {
         return { type: 'geometry', id, geometry: await this.#document(request.document).geometry() };
       case 'write':
         return { type: 'written', id, written: await this.#document(request.document).write(request.options) };
+      case 'write-progressive':
+        return { type: 'progressive', id, bytes: await this.#document(request.document).writeProgressive(request.options) };
       case 'simplify-arrays':
         await init();
         return {
@@ -129,8 +135,14 @@ function buffersOf(answer: Answer): Transferable[] {
         arrays.push(positions, ...Object.values(attributes).map(({ values }) => values));
       }
       break;
+    case 'deviation-map':
+      for (const { distances, surroundings } of answer.map.wedgeSets) arrays.push(distances, surroundings);
+      break;
     case 'written':
       arrays.push(answer.written.bytes, ...answer.written.files.map(({ bytes }) => bytes));
+      break;
+    case 'progressive':
+      arrays.push(answer.bytes);
       break;
     case 'simplified': {
       const { positions, indices, vertexMap, attributes } = answer.mesh;

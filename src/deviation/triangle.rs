@@ -39,6 +39,46 @@ pub(super) fn area(corners: &[[f32; 3]; 3]) -> f64 {
     0.5 * dot(normal, normal).sqrt()
 }
 
+/// Barycentric coordinates of the place in the triangle that is nearest to `p` (Ericson 2005, section 5.1.5).
+pub(super) fn closest_weights(p: Point, corners: &[[f32; 3]; 3]) -> [f64; 3] {
+    let [a, b, c] = corners.map(wide);
+    let (ab, ac) = (minus(b, a), minus(c, a));
+    let (d1, d2) = (dot(ab, minus(p, a)), dot(ac, minus(p, a)));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let (d3, d4) = (dot(ab, minus(p, b)), dot(ac, minus(p, b)));
+    if d3 >= 0.0 && d4 <= d3 {
+        return [0.0, 1.0, 0.0];
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let v = share(d1, d1 - d3);
+        return [1.0 - v, v, 0.0];
+    }
+    let (d5, d6) = (dot(ab, minus(p, c)), dot(ac, minus(p, c)));
+    if d6 >= 0.0 && d5 <= d6 {
+        return [0.0, 0.0, 1.0];
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let w = share(d2, d2 - d6);
+        return [1.0 - w, 0.0, w];
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
+        let w = share(d4 - d3, (d4 - d3) + (d5 - d6));
+        return [0.0, 1.0 - w, w];
+    }
+    let (v, w) = (share(vb, va + vb + vc), share(vc, va + vb + vc));
+    [1.0 - v - w, v, w]
+}
+
+/// `part / whole` from 0 to 1; 0 of nothing.
+fn share(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 0.0 }
+}
+
 /// The point with the given barycentric coordinates.
 #[inline(always)]
 pub(super) fn point_at(corners: &[[f32; 3]; 3], weights: [f64; 3]) -> Point {
@@ -146,6 +186,22 @@ mod tests {
         assert_eq!(area(&[[1.0; 3], [2.0; 3], [3.0; 3]]), 0.0);
         assert_eq!(point_at(&CORNERS, [0.25, 0.25, 0.5]), [1.0, 2.0, 0.0]);
         assert_eq!(length(CORNERS[1], CORNERS[0]), 4.0);
+    }
+
+    #[test]
+    fn the_closest_weights_are_those_of_the_closest_point() {
+        for x in -6..9 {
+            for y in -6..9 {
+                for z in [-1.0, 0.0, 2.0] {
+                    let p = [f64::from(x), f64::from(y), z];
+                    let weights = closest_weights(p, &CORNERS);
+                    assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-14);
+                    assert!(weights.iter().all(|w| (0.0..=1.0).contains(w)), "{weights:?}");
+                    let away = minus(point_at(&CORNERS, weights), p);
+                    assert!((dot(away, away) - distance_squared(p, &CORNERS)).abs() < 1e-12, "{p:?}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -1,0 +1,46 @@
+// The coarsest level whose measured deviation is within a limit, found over the recorded history.
+//
+// The measured maximum does not fall strictly with the number of triangles: a level may be worse than a coarser one. The
+// search brackets the place where it first passes the limit and halves that; what it returns was measured itself.
+
+/** A level that was measured. */
+export interface MeasuredLevel {
+  readonly triangles: number;
+  /** Model units. */
+  readonly max: number;
+}
+
+/** Between the finest level known to fail and the coarsest known to do, this much is not worth another measurement. */
+const CLOSE = 1.02;
+
+/** From a level to the next while no bracket is known. */
+const STRIDE = 1.5;
+
+/** More measurements than this find nothing new. */
+const MOST_MEASUREMENTS = 24;
+
+/**
+ * The number of triangles, from `least` to `most`, of the coarsest level found whose maximum is at most `limit`; `most`, which
+ * is full detail, is always within. `measure` selects the level of at most so many triangles and measures it. `start` is a
+ * guess.
+ */
+export async function findWithin(
+  limit: number,
+  { least, most, start }: { readonly least: number; readonly most: number; readonly start: number },
+  measure: (triangles: number) => Promise<MeasuredLevel>,
+): Promise<number> {
+  let good = most;
+  let bad = least - 1;
+  let wanted = Math.min(Math.max(start, least), most);
+  for (let count = 0; count < MOST_MEASUREMENTS && good > bad + 1 && good > Math.max(bad, 1) * CLOSE; count += 1) {
+    const { triangles, max } = await measure(wanted);
+    if (max <= limit) good = Math.min(good, triangles);
+    // No level lies between what was asked for and what there is.
+    else bad = Math.max(bad, wanted, triangles);
+    // There is none coarser.
+    if (triangles > wanted) bad = Math.max(bad, triangles - 1);
+    const unknown = bad < least ? good / STRIDE : good === most ? bad * STRIDE : Math.sqrt(bad * good);
+    wanted = Math.min(Math.max(Math.floor(unknown), bad + 1, least), good - 1);
+  }
+  return good;
+}
