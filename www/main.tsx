@@ -43,6 +43,9 @@ const view = new View(
       ),
     onContextLost: () => update((now) => transitions.remarked(now, 'The graphics card took a break; the view comes back by itself.')),
     onContextRestored: () => update((now) => transitions.remarked(now, '')),
+    onContents: (contents) => update((now) => transitions.contentsChanged(now, contents)),
+    onEdges: (counts) => update((now) => transitions.edgesCounted(now, counts)),
+    onInsets: (insets) => update((now) => transitions.insetsChanged(now, insets)),
   },
   reducedMotion,
 );
@@ -61,6 +64,7 @@ const actions: Actions = {
   redo: () => update(transitions.redone),
   fit: () => view.move({ kind: 'fit' }),
   changeView: (change) => update((now) => transitions.viewChanged(now, change)),
+  changeMorph: (index, weight) => update((now) => transitions.morphChanged(now, index, weight)),
   chooseFormat: (format) => update((now) => transitions.outputFormatChosen(now, format)),
   chooseEncoding: (encoding) => update((now) => transitions.encodingChosen(now, encoding)),
   chooseQuality: (quality) => update((now) => transitions.qualityChosen(now, quality)),

@@ -1,6 +1,8 @@
 // The page's one state value and the pure transitions between its values; nothing here fetches, draws or waits.
 import type { Compression, OutputFormat as PackageFormat, Preset } from 'decimesh/worker';
 import type { Encoding } from './encoding.ts';
+import { NO_CONTENTS } from './preview/no-contents.ts';
+import type { EdgeCounts, Insets, ViewContents, ViewSettings } from './preview/protocol.ts';
 
 /** What the page saves: formats of one file. */
 export type OutputFormat = Exclude<PackageFormat, 'gltf'>;
@@ -115,12 +117,7 @@ export interface Task {
 }
 
 /** How the model is shown. */
-export interface View {
-  readonly wireframe: boolean;
-  readonly playing: boolean;
-  readonly animation: number;
-  /** The original is shown while a key or button is held. */
-  readonly comparing: boolean;
+export interface View extends ViewSettings {
   readonly theme: 'system' | 'light' | 'dark';
 }
 
@@ -134,6 +131,12 @@ export interface State {
   readonly encoding: Encoding;
   readonly quality: Quality;
   readonly view: View;
+  /** What the model has to be looked at. */
+  readonly contents: ViewContents;
+  /** Of what is drawn, while the classes of edges are drawn. */
+  readonly edgeCounts: EdgeCounts | null;
+  /** What panels cover of the view. */
+  readonly insets: Insets;
   /** A file is being dragged over the window. */
   readonly dragging: boolean;
   /** What the live region says when nothing is under way; set by the last event worth telling. */
@@ -153,7 +156,23 @@ export const initialState: State = {
   outputFormat: 'glb',
   encoding: 'none',
   quality: 'balanced',
-  view: { wireframe: false, playing: true, animation: 0, comparing: false, theme: 'system' },
+  view: {
+    surface: 'textured',
+    wireframe: false,
+    edgeClasses: false,
+    playing: true,
+    animation: 0,
+    comparing: false,
+    layout: 'single',
+    split: 0.5,
+    turntable: false,
+    lamp: 'view',
+    morphs: [],
+    theme: 'system',
+  },
+  contents: NO_CONTENTS,
+  edgeCounts: null,
+  insets: { top: 0, right: 0, bottom: 0, left: 0 },
   dragging: false,
   remark: '',
 };
@@ -188,7 +207,7 @@ export const modelOpened = (
   remark: '',
   outputFormat: isOutputFormat(opened.source.format) ? opened.source.format : 'glb',
   encoding: opened.source.compression,
-  view: { ...state.view, animation: 0, comparing: false },
+  view: { ...state.view, animation: 0, comparing: false, morphs: [] },
   model: {
     ...opened,
     drawn: false,
@@ -316,6 +335,21 @@ export const encodingChosen = (state: State, encoding: Encoding): State => ({ ..
 export const qualityChosen = (state: State, quality: Quality): State => ({ ...state, quality });
 
 export const viewChanged = (state: State, change: Partial<View>): State => ({ ...state, view: { ...state.view, ...change } });
+
+/** Another model is on its way to the screen: what it lacks is not shown any longer. */
+export const contentsChanged = (state: State, contents: ViewContents): State => ({
+  ...state,
+  contents,
+  view: state.view.surface === 'checker' && !contents.textureCoordinates ? { ...state.view, surface: 'textured' } : state.view,
+});
+
+export const edgesCounted = (state: State, edgeCounts: EdgeCounts | null): State => ({ ...state, edgeCounts });
+
+export const insetsChanged = (state: State, insets: Insets): State => ({ ...state, insets });
+
+/** Takes hold of morph target `index`, or lets go of it with null. */
+export const morphChanged = (state: State, index: number, weight: number | null): State =>
+  viewChanged(state, { morphs: state.contents.morphs.map((_, at) => (at === index ? weight : (state.view.morphs[at] ?? null))) });
 
 export const draggingChanged = (state: State, dragging: boolean): State =>
   state.dragging === dragging ? state : { ...state, dragging };

@@ -79,22 +79,3 @@ function addMorphTargets(geometry: BufferGeometry, shared: SharedAttributes, tar
   }
   geometry.morphTargetsRelative = true;
 }
-
-/** The edges of every triangle as pairs of vertices; shared edges come twice, which the screen does not mind. */
-export function edgeIndices(geometry: BufferGeometry): Uint32Array {
-  const index = geometry.index?.array;
-  const corners = index?.length ?? geometry.getAttribute('position').count;
-  const edges = new Uint32Array(corners * 2);
-  for (let corner = 0, edge = 0; corner + 2 < corners; corner += 3) {
-    const a = index?.[corner] ?? corner;
-    const b = index?.[corner + 1] ?? corner + 1;
-    const c = index?.[corner + 2] ?? corner + 2;
-    edges[edge++] = a;
-    edges[edge++] = b;
-    edges[edge++] = b;
-    edges[edge++] = c;
-    edges[edge++] = c;
-    edges[edge++] = a;
-  }
-  return edges;
-}

@@ -8,6 +8,8 @@ import type { GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 export interface Part {
   readonly mesh: Mesh;
   readonly original: BufferGeometry;
+  /** The file's own. */
+  readonly material: Material | Material[];
 }
 
 /** A model that three can draw, and the way back from its objects to the file's primitives. */
@@ -22,8 +24,11 @@ export interface LoadedModel {
 
 export const partKey = (mesh: number, primitive: number): string => `${mesh}/${primitive}`;
 
+/** The mesh in a {@link partKey}. */
+export const meshOfPart = (key: string): string => key.slice(0, key.indexOf('/'));
+
 /** What an unpainted surface looks like: plain clay shows form better than three's default, a dull mirror. */
-const CLAY = new Color(0xcfc8bd);
+export const CLAY = new Color(0xcfc8bd);
 
 /** Vertices looked at when a skinned mesh is measured: its rest pose is not in its file's bounds. */
 const SKIN_SAMPLES = 2000;
@@ -51,7 +56,7 @@ export async function loadModel(bytes: Uint8Array): Promise<LoadedModel> {
     const key: unknown = object.userData[MARK];
     if (typeof key !== 'string') return;
     const list = parts.get(key) ?? [];
-    list.push({ mesh: object, original: object.geometry });
+    list.push({ mesh: object, original: object.geometry, material: object.material as Material | Material[] });
     parts.set(key, list);
   });
   return { root, animations: gltf.animations, parts, bounds: sceneBounds(root) };

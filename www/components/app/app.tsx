@@ -29,6 +29,7 @@ export interface Actions {
   redo(): void;
   fit(): void;
   changeView(change: Partial<View>): void;
+  changeMorph(index: number, weight: number | null): void;
   chooseFormat(format: OutputFormat): void;
   chooseEncoding(encoding: Encoding): void;
   chooseQuality(quality: Quality): void;
