@@ -34,6 +34,8 @@ export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: Cam
       move(turn);
     } else if (key === 'f' || key === 'F') actions.fit();
     else if (key === 'w' || key === 'W') actions.changeView({ wireframe: !state().view.wireframe });
+    else if (key === 's' || key === 'S') actions.changeView({ layout: state().view.layout === 'split' ? 'single' : 'split' });
+    else if (key === 'e' || key === 'E') actions.changeView({ edgeClasses: !state().view.edgeClasses });
     else if ((key === 'c' || key === 'C') && !event.repeat) actions.changeView({ comparing: true });
     else if (key === ' ' && (event.target === canvas || event.target === document.body)) {
       event.preventDefault();

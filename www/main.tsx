@@ -20,6 +20,7 @@ const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)').matches;
 const state = signal<State>({
   ...transitions.initialState,
   quality: rememberedQuality(),
+  reducedMotion,
   view: { ...transitions.initialState.view, playing: !reducedMotion, theme: rememberedTheme() },
 });
 const update = (transition: (state: State) => State): void => {

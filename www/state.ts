@@ -135,6 +135,8 @@ export interface State {
   readonly contents: ViewContents;
   /** Of what is drawn, while the classes of edges are drawn. */
   readonly edgeCounts: EdgeCounts | null;
+  /** The system asks for no motion. */
+  readonly reducedMotion: boolean;
   /** What panels cover of the view. */
   readonly insets: Insets;
   /** A file is being dragged over the window. */
@@ -172,6 +174,7 @@ export const initialState: State = {
   },
   contents: NO_CONTENTS,
   edgeCounts: null,
+  reducedMotion: false,
   insets: { top: 0, right: 0, bottom: 0, left: 0 },
   dragging: false,
   remark: '',

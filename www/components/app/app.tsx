@@ -5,9 +5,11 @@ import { fewestTriangles, isBusy, isSettled, progress, statusText } from '../../
 import { encodingFor } from '../../encoding.ts';
 import type { Encoding } from '../../encoding.ts';
 import type { Model, OutputFormat, Quality, State, View } from '../../state.ts';
+import { Compare } from '../compare/compare.tsx';
 import { Download } from '../download/download.tsx';
 import { DropHint, Landing } from '../drop-zone/drop-zone.tsx';
 import { FileChooser } from '../drop-zone/file-chooser.tsx';
+import { Legend } from '../legend/legend.tsx';
 import { LodSlider } from '../lod-slider/lod-slider.tsx';
 import { Logo } from '../logo/logo.tsx';
 import { MeshStats } from '../mesh-stats/mesh-stats.tsx';
@@ -87,13 +89,25 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
     output.encoding === encodingFor(state.outputFormat, state.encoding);
   return (
     <main class="workspace">
+      <Compare
+        layout={state.view.layout}
+        split={state.view.split}
+        comparing={state.view.comparing}
+        insets={state.insets}
+        onSplit={(split) => actions.changeView({ split })}
+      />
+      <Legend surface={state.view.surface} edgeCounts={state.edgeCounts} />
       <Toolbar
         view={state.view}
+        contents={state.contents}
+        insets={state.insets}
+        reducedMotion={state.reducedMotion}
         animations={model.animations}
         canUndo={model.undo.length > 0}
         canRedo={model.redo.length > 0}
         onFit={actions.fit}
         onView={actions.changeView}
+        onMorph={actions.changeMorph}
         onUndo={actions.undo}
         onRedo={actions.redo}
       />
