@@ -1,4 +1,5 @@
 // How the model is looked at: fit, wireframe, compare with the original, animation, undo and redo.
+import { t } from '../../messages/messages.ts';
 import type { View } from '../../state.ts';
 import { Icon } from '../icon/icon.tsx';
 import type { IconName } from '../icon/icon.tsx';
@@ -18,18 +19,18 @@ interface ToolbarProps {
 export function Toolbar({ view, animations, canUndo, canRedo, onFit, onView, onUndo, onRedo }: ToolbarProps) {
   const compare = (comparing: boolean) => (): void => onView({ comparing });
   return (
-    <div class="toolbar" role="toolbar" aria-label="View">
-      <Tool icon="undo" label="Undo" keys="Ctrl+Z" disabled={!canUndo} onClick={onUndo} />
-      <Tool icon="redo" label="Redo" keys="Ctrl+Shift+Z" disabled={!canRedo} onClick={onRedo} />
+    <div class="toolbar" role="toolbar" aria-label={t('view.toolbar')}>
+      <Tool icon="undo" label={t('panel.undo')} keys="Ctrl+Z" disabled={!canUndo} onClick={onUndo} />
+      <Tool icon="redo" label={t('panel.redo')} keys="Ctrl+Shift+Z" disabled={!canRedo} onClick={onRedo} />
       <span class="toolbar-gap" />
-      <Tool icon="fit" label="Fit to view" keys="F" onClick={onFit} />
-      <Tool icon="wireframe" label="Wireframe" keys="W" pressed={view.wireframe} onClick={() => onView({ wireframe: !view.wireframe })} />
+      <Tool icon="fit" label={t('view.fit')} keys="F" onClick={onFit} />
+      <Tool icon="wireframe" label={t('view.wireframe')} keys="W" pressed={view.wireframe} onClick={() => onView({ wireframe: !view.wireframe })} />
       <button
         type="button"
         class="tool"
-        aria-label="Hold to compare with the original"
+        aria-label={t('view.compare')}
         aria-pressed={view.comparing}
-        title="Hold to compare with the original (C)"
+        title={`${t('view.compare')} (C)`}
         onPointerDown={(event) => {
           event.currentTarget.setPointerCapture(event.pointerId);
           onView({ comparing: true });
@@ -55,14 +56,14 @@ export function Toolbar({ view, animations, canUndo, canRedo, onFit, onView, onU
           <span class="toolbar-gap" />
           <Tool
             icon={view.playing ? 'pause' : 'play'}
-            label={view.playing ? 'Pause animation' : 'Play animation'}
+            label={t(view.playing ? 'view.pause' : 'view.play')}
             keys="Space"
             onClick={() => onView({ playing: !view.playing })}
           />
         </>
       )}
       {animations.length > 1 && (
-        <select aria-label="Animation" value={view.animation} onChange={(event) => onView({ animation: Number(event.currentTarget.value) })}>
+        <select aria-label={t('view.animation')} value={view.animation} onChange={(event) => onView({ animation: Number(event.currentTarget.value) })}>
           {animations.map((name, index) => (
             <option key={index} value={index}>{name}</option>
           ))}
