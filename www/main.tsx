@@ -6,6 +6,8 @@ import { App } from './components/app/app.tsx';
 import type { Actions } from './components/app/app.tsx';
 import { fileNameOf, filesOfDrop, filesOfInput } from './files.ts';
 import { bindKeys } from './keys.ts';
+import { preferredLanguage, rememberLanguage, t, useLanguage } from './messages/messages.ts';
+import type { Language } from './messages/messages.ts';
 import { bindPointers } from './preview/pointer.ts';
 import { View } from './preview/view.ts';
 import { rememberQuality, rememberedQuality } from './quality.ts';
@@ -38,11 +40,11 @@ const view = new View(
       update((now) =>
         transitions.failed(now, {
           code: 'no-webgl',
-          message: 'This browser shows no 3D view: WebGL2 is missing or switched off. Models are simplified all the same.',
+          message: t('view.unavailable'),
           where: reason,
         }),
       ),
-    onContextLost: () => update((now) => transitions.remarked(now, 'The graphics card took a break; the view comes back by itself.')),
+    onContextLost: () => update((now) => transitions.remarked(now, t('view.contextLost'))),
     onContextRestored: () => update((now) => transitions.remarked(now, '')),
     onContents: (contents) => update((now) => transitions.contentsChanged(now, contents)),
     onEdges: (counts) => update((now) => transitions.edgesCounted(now, counts)),
@@ -71,6 +73,10 @@ const actions: Actions = {
   chooseQuality: (quality) => update((now) => transitions.qualityChosen(now, quality)),
   download: () => void session.download(),
   measure: () => void session.measure(),
+  chooseLanguage: (language) => {
+    rememberLanguage(language);
+    void speak(language);
+  },
 };
 
 let drawing = false;
@@ -98,13 +104,27 @@ bindKeys(canvas, actions, (move) => view.move(move), () => state.peek());
 bindPointers(canvas, (move) => view.move(move));
 bindDrop();
 
+void speak(preferredLanguage());
+
 const address = new URLSearchParams(location.search).get('model');
 if (address !== null) openAddress(address);
+
+async function speak(language: Language): Promise<void> {
+  try {
+    await useLanguage(language);
+  } catch {
+    // Without a network it goes on in the language it has.
+    return;
+  }
+  canvas?.setAttribute('aria-roledescription', t('view.role'));
+  canvas?.setAttribute('aria-label', t('view.name'));
+  update((now) => transitions.languageChanged(now, language));
+}
 
 function openAddress(text: string): void {
   const url = URL.parse(text, location.href);
   if (url === null) {
-    update((now) => transitions.failed(now, { code: 'invalid-argument', message: 'this is not an address', where: `?model=${text}` }));
+    update((now) => transitions.failed(now, { code: 'invalid-argument', message: t('notice.notAnAddress'), where: `?model=${text}` }));
     return;
   }
   void session.openAddress(url, fileNameOf(url));

@@ -6,6 +6,7 @@ import { baseName, decodePath, fetchFile, modelFile } from './files.ts';
 import { formatShare } from './format.ts';
 import { encodingFor, writeOptions } from './encoding.ts';
 import type { Encoding } from './encoding.ts';
+import { t } from './messages/messages.ts';
 import type { View } from './preview/view.ts';
 import * as transitions from './state.ts';
 import type { Model, Notice, OutputFormat, Quality, State } from './state.ts';
@@ -15,8 +16,6 @@ export interface Store {
   readonly value: State;
   update(transition: (state: State) => State): void;
 }
-
-const CANCELLED = 'Cancelled. Move the slider to simplify again.';
 
 /** Milliseconds without a new wish before the file for it is written to learn its size. */
 const SETTLE_TIME = 250;
@@ -134,7 +133,7 @@ export class Session {
       });
       if (file === null) return;
       save(new Blob([file.bytes as Uint8Array<ArrayBuffer>], { type: MIME_TYPES[outputFormat] }), fileName);
-      this.store.update((state) => transitions.remarked(state, `Saved ${fileName}.${file.loss}`));
+      this.store.update((state) => transitions.remarked(state, t('status.saved', { name: fileName }) + file.loss));
     });
   }
 
@@ -162,7 +161,7 @@ export class Session {
       if (cancelled) {
         // A new wish has ended it already, and goes on to what it asks for.
         if (this.store.value.model?.measurement.kind !== 'running') return;
-        this.store.update((state) => transitions.measuringEnded(state, null, 'Cancelled measuring.'));
+        this.store.update((state) => transitions.measuringEnded(state, null, t('status.cancelledMeasuring')));
       } else if (await this.reopen(open, error)) {
         void this.record(open);
       } else {
@@ -185,7 +184,7 @@ export class Session {
       if (this.task === task) this.store.update((state) => transitions.taskEnded(state));
     } catch (error) {
       if (this.task !== task) return;
-      if (task.signal.aborted) this.store.update((state) => transitions.taskEnded(state, 'Cancelled.'));
+      if (task.signal.aborted) this.store.update((state) => transitions.taskEnded(state, t('status.cancelled')));
       else {
         const notice = describeError(error);
         // What is wrong with a file as a whole has the file for its place.
@@ -239,7 +238,7 @@ export class Session {
       void prepared.show().then(() => {
         if (this.current === open) this.store.update(transitions.modelDrawn);
       });
-      if (signal.aborted) this.store.update((state) => transitions.recordingEnded(state, CANCELLED));
+      if (signal.aborted) this.store.update((state) => transitions.recordingEnded(state, t('status.cancelledRecording')));
       else void this.record(open);
     } catch (error) {
       if (this.current?.document !== document) document.dispose();
@@ -273,7 +272,7 @@ export class Session {
       open.reopened = false;
     } catch (error) {
       if (recording.signal.aborted) {
-        update((state) => transitions.recordingEnded(state, CANCELLED));
+        update((state) => transitions.recordingEnded(state, t('status.cancelledRecording')));
       } else if (isCurrent() && (await this.reopen(open, error))) {
         open.recording = null;
         return this.record(open);
@@ -473,7 +472,7 @@ async function fetchReference(reference: string, folder: string, address: URL, s
 /** What the live region says of a measurement. */
 function describeDeviation({ max, mean, relativeTo }: { max: number; mean: number; relativeTo: number }): string {
   const share = (value: number): string => formatShare(relativeTo > 0 ? value / relativeTo : 0);
-  return `Measured: ${share(max)} of the diagonal at most, ${share(mean)} on average.`;
+  return t('status.measured', { max: share(max), mean: share(mean) });
 }
 
 /** Any failure as a notice: ours keep their code and place, others are named as what they are. */

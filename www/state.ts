@@ -1,6 +1,8 @@
 // The page's one state value and the pure transitions between its values; nothing here fetches, draws or waits.
 import type { Compression, OutputFormat as PackageFormat, Preset } from 'decimesh/worker';
 import type { Encoding } from './encoding.ts';
+import { t } from './messages/messages.ts';
+import type { Language } from './messages/messages.ts';
 import { NO_CONTENTS } from './preview/no-contents.ts';
 import type { EdgeCounts, Insets, ViewContents, ViewSettings } from './preview/protocol.ts';
 
@@ -17,11 +19,7 @@ export const isOutputFormat = (value: string): value is OutputFormat => Object.h
 export type Quality = Preset;
 
 /** The qualities as the page offers them. */
-export const QUALITIES: ReadonlyArray<{ readonly value: Quality; readonly name: string; readonly meaning: string }> = [
-  { value: 'fast', name: 'Fast', meaning: 'Downloads the level as it is shown, at once' },
-  { value: 'balanced', name: 'Balanced', meaning: 'Fits the level to the original before the download' },
-  { value: 'best', name: 'Best', meaning: 'Fits the level to the original as closely as it can before the download; takes longer' },
-];
+export const QUALITIES: readonly Quality[] = ['fast', 'balanced', 'best'];
 
 /** Something that went wrong, or a remark about a file, as the engine reports it. */
 export interface Notice {
@@ -130,6 +128,7 @@ export interface State {
   /** How the geometry is stored where the format has a choice. */
   readonly encoding: Encoding;
   readonly quality: Quality;
+  readonly language: Language;
   readonly view: View;
   /** What the model has to be looked at. */
   readonly contents: ViewContents;
@@ -158,6 +157,7 @@ export const initialState: State = {
   outputFormat: 'glb',
   encoding: 'none',
   quality: 'balanced',
+  language: 'en',
   view: {
     surface: 'textured',
     wireframe: false,
@@ -337,6 +337,9 @@ export const encodingChosen = (state: State, encoding: Encoding): State => ({ ..
 
 export const qualityChosen = (state: State, quality: Quality): State => ({ ...state, quality });
 
+/** The page speaks `language` now. */
+export const languageChanged = (state: State, language: Language): State => ({ ...state, language });
+
 export const viewChanged = (state: State, change: Partial<View>): State => ({ ...state, view: { ...state.view, ...change } });
 
 /** Another model is on its way to the screen: what it lacks is not shown any longer. */
@@ -377,25 +380,22 @@ export const progress = (state: State): number | null => {
   return history?.kind === 'recording' ? history.fraction : null;
 };
 
-const TASK_NAMES: Readonly<Record<Task['kind'], string>> = { opening: 'Opening', fitting: 'Fitting', writing: 'Writing' };
-
 /** The sentence of the live region. Progress is left to the progress bar, or it would be read out at every per cent. */
 export const statusText = (state: State): string => {
   const { task, model } = state;
-  if (task !== null) return `${TASK_NAMES[task.kind]} ${task.name}…`;
+  if (task !== null) return t(`status.${task.kind}`, { name: task.name });
   if (model === null) return state.remark;
-  if (model.history.kind === 'recording') return `Simplifying ${model.name}…`;
-  const count = (triangles: number): string => triangles.toLocaleString('en');
-  if (model.history.kind === 'ready' && !isSettled(model)) return `Going to ${count(model.wantedTriangles)} triangles…`;
-  if (model.measurement.kind === 'running') return `Measuring ${model.name}…`;
+  if (model.history.kind === 'recording') return t('status.simplifying', { name: model.name });
+  if (model.history.kind === 'ready' && !isSettled(model)) return t('status.going', { count: model.wantedTriangles });
+  if (model.measurement.kind === 'running') return t('status.measuring', { name: model.name });
   if (state.remark !== '') return state.remark;
-  if (!model.drawn) return `Drawing ${model.name}…`;
-  if (model.history.kind === 'none') return `${model.name} is open.`;
+  if (!model.drawn) return t('status.drawing', { name: model.name });
+  if (model.history.kind === 'none') return t('status.open', { name: model.name });
   const { fewestTriangles, limit } = model.history;
-  const why = limit !== '' && model.wantedTriangles === fewestTriangles ? ` No fewer are possible: ${limit}.` : '';
+  const why = limit !== '' && model.wantedTriangles === fewestTriangles ? ` ${t('status.limit', { reason: limit })}` : '';
   return model.shown.triangles === model.source.triangles
-    ? `Ready. ${count(model.source.triangles)} triangles.${why}`
-    : `Ready. Showing ${count(model.shown.triangles)} of ${count(model.source.triangles)} triangles.${why}`;
+    ? t('status.ready', { count: model.source.triangles }) + why
+    : t('status.showing', { shown: model.shown.triangles, count: model.source.triangles }) + why;
 };
 
 export const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);

@@ -4,6 +4,8 @@ import type { Sample } from '../../samples/samples.ts';
 import { fewestTriangles, isBusy, isSettled, progress, statusText } from '../../state.ts';
 import { encodingFor } from '../../encoding.ts';
 import type { Encoding } from '../../encoding.ts';
+import { t } from '../../messages/messages.ts';
+import type { Language } from '../../messages/messages.ts';
 import type { Model, OutputFormat, Quality, State, View } from '../../state.ts';
 import { Compare } from '../compare/compare.tsx';
 import { Download } from '../download/download.tsx';
@@ -11,6 +13,7 @@ import { DropHint, Landing } from '../drop-zone/drop-zone.tsx';
 import { FileChooser } from '../drop-zone/file-chooser.tsx';
 import { Legend } from '../legend/legend.tsx';
 import { LodSlider } from '../lod-slider/lod-slider.tsx';
+import { LanguageChoice } from '../language-choice/language-choice.tsx';
 import { Logo } from '../logo/logo.tsx';
 import { MeshStats } from '../mesh-stats/mesh-stats.tsx';
 import { Notice } from '../notice/notice.tsx';
@@ -37,6 +40,7 @@ export interface Actions {
   chooseQuality(quality: Quality): void;
   download(): void;
   measure(): void;
+  chooseLanguage(language: Language): void;
 }
 
 export function App({ state, actions }: { readonly state: State; readonly actions: Actions }) {
@@ -45,13 +49,14 @@ export function App({ state, actions }: { readonly state: State; readonly action
   return (
     <>
       <header class="top-bar">
-        <a class="brand" href="./" aria-label="Decimesh, start page">
+        <a class="brand" href="./" aria-label={t('start.home')}>
           <Logo />
           <span class="brand-name">decimesh</span>
         </a>
         {model !== null && <p class="model-name" title={model.credit || undefined}>{model.name}</p>}
         <div class="top-actions">
-          {model !== null && <FileChooser id="file" label="Open" onFiles={actions.openFiles} />}
+          {model !== null && <FileChooser id="file" label={t('start.open')} onFiles={actions.openFiles} />}
+          <LanguageChoice language={state.language} onLanguage={actions.chooseLanguage} />
           <ThemeButton theme={view.theme} onTheme={(theme) => actions.changeView({ theme })} />
         </div>
       </header>
@@ -113,7 +118,7 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
       />
       <div class="dock" data-inset>
         {model.credit !== '' && <p class="credit">{model.credit}</p>}
-        <section class="panel model-panel" aria-label="Simplification">
+        <section class="panel model-panel" aria-label={t('panel.name')}>
           {isBusy(state) && <Progress fraction={progress(state)} label={statusText(state)} onCancel={actions.cancel} />}
           <LodSlider
             value={model.wantedTriangles}
@@ -143,7 +148,7 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
           </div>
           {model.warnings.length > 0 && (
             <details class="warnings">
-              <summary>{model.warnings.length === 1 ? '1 remark about this file' : `${model.warnings.length} remarks about this file`}</summary>
+              <summary>{t('remarks.title', { count: model.warnings.length })}</summary>
               <ul>
                 {model.warnings.map((warning, index) => (
                   <li key={index}>

@@ -1,6 +1,7 @@
 // The slider `Triangles`: its value is the count itself, its length is logarithmic.
 import { useRef, useState } from 'preact/hooks';
 import { formatCount, formatShare } from '../../format.ts';
+import { t } from '../../messages/messages.ts';
 import { clamp } from '../../state.ts';
 import { positionOfTriangles, trianglesAtPosition } from './scale.ts';
 import './lod-slider.css';
@@ -53,7 +54,7 @@ export function LodSlider({ value, fewest, all, pending, onChange }: LodSliderPr
   return (
     <div class="lod-slider">
       <div class="lod-head">
-        <label for="triangles">Triangles</label>
+        <label for="triangles">{t('slider.triangles')}</label>
         <CountField value={value} fewest={fewest} all={all} onCommit={(count) => { startGesture(); onChange(count, gesture.current); }} />
         <span class={pending ? 'lod-share pending' : 'lod-share'}>{formatShare(value / all)}</span>
       </div>
@@ -66,7 +67,7 @@ export function LodSlider({ value, fewest, all, pending, onChange }: LodSliderPr
           max={all}
           step={1}
           value={value}
-          aria-valuetext={`${formatCount(value)} of ${formatCount(all)} triangles, ${formatShare(value / all)}`}
+          aria-valuetext={t('slider.value', { wanted: value, all, share: formatShare(value / all) })}
           onPointerDown={(event) => {
             if (event.button !== 0) return;
             // The browser would put the thumb where a linear scale has it.
@@ -98,7 +99,7 @@ export function LodSlider({ value, fewest, all, pending, onChange }: LodSliderPr
               type="button"
               class={crowded ? 'crowded' : undefined}
               style={{ '--at': String(at) }}
-              aria-label={`Keep ${share * 100} %`}
+              aria-label={t('slider.keep', { share: formatShare(share) })}
               aria-pressed={count === value}
               onClick={() => { startGesture(); onChange(count, gesture.current); }}
             >
@@ -181,7 +182,7 @@ function CountField({ value, fewest, all, onCommit }: CountFieldProps) {
       type="text"
       inputMode="numeric"
       autocomplete="off"
-      aria-label="Exact triangle count"
+      aria-label={t('slider.exact')}
       style={{ '--digits': String(Math.max(shown.length, 1)) }}
       value={shown}
       onFocus={(event) => event.currentTarget.select()}

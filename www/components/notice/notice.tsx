@@ -1,4 +1,5 @@
 // A failure, said once, with its code and place; can be put away and blocks nothing.
+import { t } from '../../messages/messages.ts';
 import type { Notice as NoticeData } from '../../state.ts';
 import { Icon } from '../icon/icon.tsx';
 import './notice.css';
@@ -7,12 +8,12 @@ export function Notice({ notice, onDismiss }: { readonly notice: NoticeData; onD
   const { code, message, where } = notice;
   return (
     <div class="notice" role="alert">
-      <p class="notice-message">{message === '' ? 'Something went wrong.' : sentence(message)}</p>
+      <p class="notice-message">{message === '' ? t('notice.unknown') : sentence(message)}</p>
       <p class="notice-detail">
         <code>{code}</code>
         {where !== '' && <span class="notice-where">{where}</span>}
       </p>
-      <button type="button" class="quiet" aria-label="Dismiss" onClick={onDismiss}>
+      <button type="button" class="quiet" aria-label={t('notice.dismiss')} onClick={onDismiss}>
         <Icon name="close" size={18} />
       </button>
     </div>
