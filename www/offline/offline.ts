@@ -13,13 +13,10 @@ export async function keepOffline(onUpdate: (load: () => void) => void): Promise
   if (!('serviceWorker' in navigator)) return;
   const { serviceWorker } = navigator;
   const wasControlled = serviceWorker.controller !== null;
-  let registration: ServiceWorkerRegistration;
-  try {
-    registration = await serviceWorker.register('./service-worker.js', { updateViaCache: 'none' });
-  } catch {
-    // Private windows and managed browsers may forbid it; the page works all the same.
-    return;
-  }
+  // Private windows, managed browsers and privacy tools may forbid it, or answer nothing; the page works all the same.
+  const registering: Promise<ServiceWorkerRegistration | undefined> = serviceWorker.register('./service-worker.js', { updateViaCache: 'none' });
+  const registration = await registering.catch(() => undefined);
+  if (registration === undefined) return;
   const offer = (): void => {
     const { waiting } = registration;
     // Without an older one in charge there is nothing to be updated.
