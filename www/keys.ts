@@ -73,5 +73,8 @@ function cameraMove(key: string): CameraMove | undefined {
   }
 }
 
+/** Inputs in which a letter means nothing. */
+const WITHOUT_LETTERS: readonly string[] = ['range', 'file', 'radio', 'checkbox'];
+
 const isTyping = (target: EventTarget | null): boolean =>
-  (target instanceof HTMLInputElement && target.type !== 'range' && target.type !== 'file') || target instanceof HTMLSelectElement;
+  (target instanceof HTMLInputElement && !WITHOUT_LETTERS.includes(target.type)) || target instanceof HTMLSelectElement;

@@ -8,6 +8,7 @@ import { fileNameOf, filesOfDrop, filesOfInput } from './files.ts';
 import { bindKeys } from './keys.ts';
 import { preferredLanguage, rememberLanguage, t, useLanguage } from './messages/messages.ts';
 import type { Language } from './messages/messages.ts';
+import { keepOffline, onLaunchFiles, takeSharedFiles } from './offline/offline.ts';
 import { bindPointers } from './preview/pointer.ts';
 import { View } from './preview/view.ts';
 import { rememberQuality, rememberedQuality } from './quality.ts';
@@ -67,6 +68,8 @@ const actions: Actions = {
   redo: () => update(transitions.redone),
   fit: () => view.move({ kind: 'fit' }),
   changeView: (change) => update((now) => transitions.viewChanged(now, change)),
+  loadUpdate: () => loadUpdate(),
+  declineUpdate: () => update((now) => transitions.updateOffered(now, false)),
   changeMorph: (index, weight) => update((now) => transitions.morphChanged(now, index, weight)),
   chooseFormat: (format) => update((now) => transitions.outputFormatChosen(now, format)),
   chooseEncoding: (encoding) => update((now) => transitions.encodingChosen(now, encoding)),
@@ -79,6 +82,7 @@ const actions: Actions = {
   },
 };
 
+let loadUpdate = (): void => {};
 let drawing = false;
 let observedDock: Element | null = null;
 effect(() => {
@@ -103,11 +107,21 @@ watchSystemTheme(() => view.setTheme(applyTheme(state.peek().view.theme)));
 bindKeys(canvas, actions, (move) => view.move(move), () => state.peek());
 bindPointers(canvas, (move) => view.move(move));
 bindDrop();
+bindPaste();
+onLaunchFiles((files) => void session.open(files));
+if (import.meta.env.PROD) {
+  void keepOffline((load) => {
+    loadUpdate = load;
+    update((now) => transitions.updateOffered(now, true));
+  });
+}
 
 void speak(preferredLanguage());
 
-const address = new URLSearchParams(location.search).get('model');
+const parameters = new URLSearchParams(location.search);
+const address = parameters.get('model');
 if (address !== null) openAddress(address);
+if (parameters.has('shared')) void openShared();
 
 async function speak(language: Language): Promise<void> {
   try {
@@ -160,6 +174,28 @@ function insetsOf(page: HTMLElement): { top: number; right: number; bottom: numb
   return beside
     ? { top, right: Math.max(innerWidth - dock.left, 0), bottom: 0, left: 0 }
     : { top, right: 0, bottom: Math.max(innerHeight - dock.top, 0), left: 0 };
+}
+
+/** Files that another program has shared; a reload does not open them again. */
+async function openShared(): Promise<void> {
+  history.replaceState(null, '', location.pathname);
+  const files = await takeSharedFiles();
+  if (files.length > 0) await session.open(files);
+}
+
+/** Files from the clipboard; or the address of a model, unless it is pasted into a field. */
+function bindPaste(): void {
+  addEventListener('paste', (event) => {
+    const files = event.clipboardData?.files;
+    if (files !== undefined && files.length > 0) {
+      event.preventDefault();
+      void session.open(filesOfInput(files));
+      return;
+    }
+    const text = event.clipboardData?.getData('text/plain').trim() ?? '';
+    const inField = event.target instanceof HTMLInputElement || event.target instanceof HTMLTextAreaElement;
+    if (!inField && /^https?:\/\/\S+$/.test(text)) openAddress(text);
+  });
 }
 
 function bindDrop(): void {

@@ -138,6 +138,8 @@ export interface State {
   readonly reducedMotion: boolean;
   /** What panels cover of the view. */
   readonly insets: Insets;
+  /** A new version of the page is there and can be loaded. */
+  readonly updateOffered: boolean;
   /** A file is being dragged over the window. */
   readonly dragging: boolean;
   /** What the live region says when nothing is under way; set by the last event worth telling. */
@@ -176,6 +178,7 @@ export const initialState: State = {
   edgeCounts: null,
   reducedMotion: false,
   insets: { top: 0, right: 0, bottom: 0, left: 0 },
+  updateOffered: false,
   dragging: false,
   remark: '',
 };
@@ -356,6 +359,8 @@ export const insetsChanged = (state: State, insets: Insets): State => ({ ...stat
 /** Takes hold of morph target `index`, or lets go of it with null. */
 export const morphChanged = (state: State, index: number, weight: number | null): State =>
   viewChanged(state, { morphs: state.contents.morphs.map((_, at) => (at === index ? weight : (state.view.morphs[at] ?? null))) });
+
+export const updateOffered = (state: State, offered: boolean): State => ({ ...state, updateOffered: offered });
 
 export const draggingChanged = (state: State, dragging: boolean): State =>
   state.dragging === dragging ? state : { ...state, dragging };

@@ -38,7 +38,7 @@ export class View {
     this.canvas = canvas;
     this.events = events;
     this.start(reducedMotion);
-    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.watchSize();
     this.watchPixelRatio();
   }
 
@@ -177,6 +177,17 @@ export class View {
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     this.post({ type: 'resize', size: { width, height, pixelRatio: devicePixelRatio }, insets: this.insets });
+  }
+
+  private watchSize(): void {
+    const observer = new ResizeObserver(() => this.resize());
+    try {
+      // In pixels of the screen: another scale is another size, too.
+      observer.observe(this.canvas, { box: 'device-pixel-content-box' });
+    } catch {
+      // Safari knows CSS pixels only.
+      observer.observe(this.canvas);
+    }
   }
 
   private watchPixelRatio(): void {

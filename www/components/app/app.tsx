@@ -21,6 +21,7 @@ import { Progress } from '../progress/progress.tsx';
 import { Samples } from '../samples/samples.tsx';
 import { ThemeButton } from '../theme-button/theme-button.tsx';
 import { Toolbar } from '../toolbar/toolbar.tsx';
+import { UpdateOffer } from '../update-offer/update-offer.tsx';
 import './app.css';
 
 /** What the user can do; the wiring decides what it does. */
@@ -34,6 +35,8 @@ export interface Actions {
   redo(): void;
   fit(): void;
   changeView(change: Partial<View>): void;
+  loadUpdate(): void;
+  declineUpdate(): void;
   changeMorph(index: number, weight: number | null): void;
   chooseFormat(format: OutputFormat): void;
   chooseEncoding(encoding: Encoding): void;
@@ -70,6 +73,7 @@ export function App({ state, actions }: { readonly state: State; readonly action
       )}
 
       <div class="messages">
+        {state.updateOffered && <UpdateOffer onLoad={actions.loadUpdate} onLater={actions.declineUpdate} />}
         {notice !== null && <Notice notice={notice} onDismiss={actions.dismiss} />}
         {model === null && isBusy(state) && (
           <div class="panel busy-panel">
