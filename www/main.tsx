@@ -82,6 +82,9 @@ const actions: Actions = {
   },
 };
 
+/** Milliseconds that a level has been on screen for before it is measured for the heat map. */
+const HEAT_PAUSE = 400;
+let heatTimer: ReturnType<typeof setTimeout> | undefined;
 let loadUpdate = (): void => {};
 let drawing = false;
 let observedDock: Element | null = null;
@@ -97,6 +100,11 @@ effect(() => {
   });
 });
 watch((now) => `${now.model?.wantedTriangles} ${now.outputFormat} ${now.encoding} ${now.quality}`, () => session.wishChanged());
+watch(transitions.heatMapWish, (wish) => {
+  clearTimeout(heatTimer);
+  // Levels that a drag passes are not measured.
+  if (wish !== null) heatTimer = setTimeout(() => void session.measure(), HEAT_PAUSE);
+});
 watch((now) => now.quality, rememberQuality);
 watch((now) => now.view, (settings) => view.setSettings(settings));
 watch((now) => now.view.theme, (theme) => view.setTheme(applyTheme(theme)));
