@@ -21,7 +21,7 @@ import {
 } from './options.js';
 import { packLods } from './lods.js';
 import { partsOf, partsSource, type Parts, type PartsSource } from './parts.js';
-import { makeReport, type Deviation, type Report, type ReportedLod } from './report.js';
+import { makeReport, type Deviation, type DeviationMap, type Report, type ReportedLod } from './report.js';
 import { Turn, runInSteps } from './run.js';
 import { screenCoverages } from './screen.js';
 import { findSize } from './size.js';
@@ -203,19 +203,43 @@ export class Document {
    * The level is the one selected at the call; the document can be used while it runs. Rejects as {@link simplify} does.
    */
   async measure(options: MeasureOptions & RunOptions = {}): Promise<Deviation> {
+    return (await this.#measure(options, false)).deviation;
+  }
+
+  /**
+   * As {@link measure}, and how far each vertex of the selected level is from the original, for a heat map; the order is
+   * that of {@link geometry}. It takes as long.
+   */
+  async deviationMap(options: MeasureOptions & RunOptions = {}): Promise<DeviationMap> {
+    const { deviation, map, mapLengths } = await this.#measure(options, true);
+    const half = map.length / 2;
+    let start = 0;
+    const wedgeSets = mapLengths.map((length) => {
+      const [from, to] = [start, (start += length)];
+      return { distances: map.slice(from, to), surroundings: map.slice(half + from, half + to) };
+    });
+    return { deviation, wedgeSets };
+  }
+
+  async #measure(
+    options: MeasureOptions & RunOptions,
+    wantsMap: boolean,
+  ): Promise<{ deviation: Deviation; map: Float32Array; mapLengths: readonly number[] }> {
     checkMeasureOptions(options);
     this.#model.check();
     return this.#measuring.take(options.signal, async () => {
       const [start, level] = [performance.now(), this.#levelNumber];
       await this.#runInEngine(options, {
-        begin: (model) => model.beginMeasure(options.samples),
+        begin: (model) => model.beginMeasure(options.samples, wantsMap),
         step: (model, work) => model.stepMeasure(work),
         cancel: (model) => model.cancelMeasure(),
       });
-      const deviation = JSON.parse(this.#model.call((model) => model.takeDeviation())) as Deviation;
+      type Taken = Deviation & { readonly mapLengths?: readonly number[] };
+      const { mapLengths = [], ...deviation } = JSON.parse(this.#model.call((model) => model.takeDeviation())) as Taken;
+      const map = this.#model.call((model) => model.takeMap());
       if (this.#levelNumber === level) this.#measured = { deviation, milliseconds: performance.now() - start };
       options.onProgress?.(1);
-      return deviation;
+      return { deviation, map, mapLengths };
     });
   }
 

@@ -8,7 +8,7 @@ export { openDocument, externalFiles, type Document, type Written } from './docu
 export { simplify, simplifySequence, type MeshSequence } from './simplify.js';
 export { DecimeshError, type EngineErrorCode, type ErrorCode, type HostErrorCode } from './errors.js';
 export type { Parts } from './parts.js';
-export type { Deviation, Report, ReportedFile, ReportedLod, SideDeviation, Timings } from './report.js';
+export type { Deviation, DeviationMap, Report, ReportedFile, ReportedLod, SideDeviation, Timings, WedgeSetDeviation } from './report.js';
 export type {
   AttributeArray,
   AttributeWeights,

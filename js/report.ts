@@ -43,6 +43,25 @@ export interface Deviation {
   readonly simplifiedToOriginal: SideDeviation;
 }
 
+/** How far a level is from the original at each of its vertices, model units. The arrays are the caller's own. */
+export interface DeviationMap {
+  /** The whole level's; what colours can be scaled by. */
+  readonly deviation: Deviation;
+  /** One for each wedge set of the level, in the order of its vertices; vertices at one place have the same values. */
+  readonly wedgeSets: readonly WedgeSetDeviation[];
+}
+
+/** Two measures of the same vertices. */
+export interface WedgeSetDeviation {
+  /** From each vertex to the original surface. All 0 where `placement` is `'subset'`: the vertices are the original's. */
+  readonly distances: Float32Array;
+  /**
+   * The largest distance that was measured, from either surface to the other, at places nearer to the vertex than to the
+   * level's other vertices: also what is lost between vertices that are in their places.
+   */
+  readonly surroundings: Float32Array;
+}
+
 /** Milliseconds spent on each part. */
 export interface Timings {
   readonly read: number;

@@ -13,6 +13,7 @@
 //! without an area are not part of a surface.
 
 mod bvh;
+mod map;
 mod sampling;
 mod surface;
 mod triangle;
@@ -20,6 +21,7 @@ mod triangle;
 use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
 use crate::simplify::Progress;
+use map::DistanceMap;
 use sampling::{Sample, SampleKind, Sampler, Spacing};
 use surface::Surface;
 
@@ -31,11 +33,13 @@ pub struct DeviationOptions {
     pub sample_count: usize,
     /// Whether [`Deviation::vertex_distances`] is wanted; default false.
     pub vertex_distances: bool,
+    /// Whether [`Deviation::simplified_distances`] and [`Deviation::simplified_surroundings`] are wanted; default false.
+    pub simplified_map: bool,
 }
 
 impl Default for DeviationOptions {
     fn default() -> Self {
-        Self { sample_count: 400_000, vertex_distances: false }
+        Self { sample_count: 400_000, vertex_distances: false, simplified_map: false }
     }
 }
 
@@ -70,6 +74,12 @@ pub struct Deviation {
     /// For each wedge of the original its distance from the simplified surface, 0 for wedges
     /// without a triangle; empty unless it was asked for.
     pub vertex_distances: Vec<f32>,
+    /// For each wedge of the simplified mesh its distance from the original; 0 for wedges without a triangle. Empty
+    /// unless a map was asked for.
+    pub simplified_distances: Vec<f32>,
+    /// For each wedge of the simplified mesh the largest distance that was measured, either way, nearer to its vertex
+    /// than to others; so also what is lost next to a vertex that is in its place. Empty likewise.
+    pub simplified_surroundings: Vec<f32>,
 }
 
 /// Measures to the end. See [`DeviationMeter`] for doing it in bounded steps.
@@ -94,6 +104,7 @@ pub struct DeviationMeter {
     wedge_counts: [usize; 2],
     sums: [Sums; 2],
     vertex_distances: Vec<f32>,
+    map: Option<DistanceMap>,
     stage: Stage,
     work_done: f64,
     work_in_all: f64,
@@ -172,6 +183,7 @@ impl DeviationMeter {
             wedge_counts: [original.positions.len(), simplified.positions.len()],
             sums: [Sums::default(); 2],
             vertex_distances: if options.vertex_distances { vec![0.0; original.positions.len()] } else { Vec::new() },
+            map: options.simplified_map.then(|| DistanceMap::new(simplified)),
             stage: Stage::Build { side: 0, part: 0 },
             work_done: 0.0,
             work_in_all: build_work + walk_work,
@@ -206,6 +218,7 @@ impl DeviationMeter {
         // A side without a surface has nothing to say.
         let both = self.sums.iter().all(Sums::any);
         let share = if both { 0.5 } else { 1.0 };
+        let (simplified_distances, simplified_surroundings) = self.map.map(DistanceMap::finish).unwrap_or_default();
         Deviation {
             max: lost.max.max(made_up.max),
             mean: share * (lost.mean + made_up.mean),
@@ -214,6 +227,8 @@ impl DeviationMeter {
             original_to_simplified: lost,
             simplified_to_original: made_up,
             vertex_distances: self.vertex_distances,
+            simplified_distances,
+            simplified_surroundings,
         }
     }
 
@@ -284,6 +299,16 @@ impl DeviationMeter {
                 let squared = if nearest.distance_squared > nothing { nearest.distance_squared } else { 0.0 };
                 let distance = squared.sqrt() * scale;
                 sums.add(distance, kind);
+                if let Some(map) = &mut self.map {
+                    // Either way it is a triangle of the simplified surface that is marked.
+                    let (surface, triangle) =
+                        if side == 0 { (other, nearest.triangle as usize) } else { (mine, walk.sampler.triangle()) };
+                    let way = surface.walkway(scale);
+                    map.mark(point, &way.corners[triangle], &way.wedges[triangle], distance);
+                    if let (1, SampleKind::Vertex(wedge)) = (side, kind) {
+                        map.put(wedge, distance);
+                    }
+                }
                 if let (0, SampleKind::Vertex(wedge)) = (side, kind)
                     && let Some(entry) = self.vertex_distances.get_mut(wedge as usize)
                 {

@@ -277,6 +277,9 @@ struct DeviationSummary {
     relative_to: f64,
     original_to_simplified: SideSummary,
     simplified_to_original: SideSummary,
+    /// With a map: how many values each wedge set of the level has in it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    map_lengths: Vec<usize>,
 }
 
 #[derive(Serialize)]
@@ -287,8 +290,8 @@ struct SideSummary {
     samples: u64,
 }
 
-impl From<Deviation> for DeviationSummary {
-    fn from(deviation: Deviation) -> Self {
+impl From<&Deviation> for DeviationSummary {
+    fn from(deviation: &Deviation) -> Self {
         let side = |SideDeviation { max, mean, rms, samples }| SideSummary { max, mean, rms, samples };
         Self {
             max: deviation.max,
@@ -297,8 +300,16 @@ impl From<Deviation> for DeviationSummary {
             relative_to: deviation.diagonal,
             original_to_simplified: side(deviation.original_to_simplified),
             simplified_to_original: side(deviation.simplified_to_original),
+            map_lengths: Vec::new(),
         }
     }
+}
+
+/// A measurement under way.
+struct Measuring {
+    meter: DeviationMeter,
+    /// As in [`DeviationSummary`].
+    map_lengths: Vec<usize>,
 }
 
 /// Where the mesh came from.
@@ -353,7 +364,10 @@ pub struct Model {
     /// The result of a run that kept the record, until a level of it is selected.
     result: Option<Recorded>,
     level: Option<Arc<LevelMesh>>,
-    measuring: Option<DeviationMeter>,
+    aside: Option<Arc<LevelMesh>>,
+    measuring: Option<Measuring>,
+    /// Of the measurement that was taken last: the distances at all vertices, then those around them.
+    map: Vec<f32>,
 }
 
 #[wasm_bindgen]
@@ -608,18 +622,59 @@ impl Model {
         }
     }
 
+    /// The record for a progressive mesh, in words: how many wedges, duplicates and collapses; the vertex of each wedge;
+    /// the duplicates' pairs; for each collapse the vertices `from` and `into`, the bits of its error, how many wedges
+    /// merge, and their pairs.
+    pub fn history(&self) -> Result<js_sys::Uint32Array, JsValue> {
+        let CollapseSequence { collapses, vertex_of_wedge, duplicates, fitted, solved, .. } =
+            &self.record.as_ref().ok_or_else(not_simplified)?.sequence;
+        let mesh = self.mesh();
+        let stays = |c: &crate::collapse_sequence::Collapse| c.position == mesh.positions[c.into as usize];
+        if !(fitted.is_empty() && solved.values.is_empty() && collapses.iter().all(stays)) {
+            let message = "needs a record of every level made with placement 'subset'";
+            return Err(thrown(Error::new(ErrorCode::WrongState, "history", message)));
+        }
+        let mut words = vec![vertex_of_wedge.len() as u32, duplicates.len() as u32, collapses.len() as u32];
+        words.extend(vertex_of_wedge);
+        words.extend(duplicates.iter().flat_map(|&(from, into)| [from, into]));
+        let sequence = self.record.as_ref().map(|record| &record.sequence);
+        for (collapse, merges) in collapses.iter().zip(sequence.into_iter().flat_map(|s| s.merges_from(0))) {
+            words.extend([collapse.from, collapse.into, collapse.error.to_bits(), 0]);
+            let count = words.len() - 1;
+            merges.for_each(|(from, into)| words.extend([from, into]));
+            words[count] = (words.len() - 1 - count) as u32 / 2;
+        }
+        Ok(words.as_slice().into())
+    }
+
+    /// Puts the selected level aside: until [`Model::bring_back`] the arrays are those of the original.
+    #[wasm_bindgen(js_name = putAside)]
+    pub fn put_aside(&mut self) {
+        self.aside = self.level.take();
+    }
+
+    /// Selects again what was put aside.
+    #[wasm_bindgen(js_name = bringBack)]
+    pub fn bring_back(&mut self) {
+        self.level = self.aside.take();
+    }
+
     /// Prepares a measurement of the selected level against the original, with so many samples on
-    /// each side's faces, in place of one that is running. Later changes of the level do not touch it.
+    /// each side's faces and, if wanted, a map, in place of one that is running. Later changes of the level do not
+    /// touch it.
     #[wasm_bindgen(js_name = beginMeasure)]
-    pub fn begin_measure(&mut self, samples: Option<f64>) -> Result<(), JsValue> {
-        let mut options = DeviationOptions::default();
+    pub fn begin_measure(&mut self, samples: Option<f64>, map: bool) -> Result<(), JsValue> {
+        let mut options = DeviationOptions { simplified_map: map, ..DeviationOptions::default() };
         if let Some(samples) = samples {
             if !(1.0..=MOST_SAMPLES).contains(&samples) {
                 return Err(thrown(Error::new(ErrorCode::InvalidArgument, "samples", "must be from 1 to 1e9")));
             }
             options.sample_count = samples as usize;
         }
-        self.measuring = Some(DeviationMeter::new(self.mesh(), self.level_mesh(), &options).map_err(thrown)?);
+        let level = self.level_mesh();
+        let meter = DeviationMeter::new(self.mesh(), level, &options).map_err(thrown)?;
+        let sets = level.wedge_sets.iter().filter(|_| map);
+        self.measuring = Some(Measuring { meter, map_lengths: sets.map(|set| set.wedges.len()).collect() });
         Ok(())
     }
 
@@ -627,15 +682,26 @@ impl Model {
     /// [`Model::take_deviation`] has the result.
     #[wasm_bindgen(js_name = stepMeasure)]
     pub fn step_measure(&mut self, work: f64) -> Result<f32, JsValue> {
-        let meter = self.measuring.as_mut().ok_or_else(not_measuring)?;
-        Ok(meter.step(work.clamp(1.0, 1e9) as usize).fraction)
+        let measuring = self.measuring.as_mut().ok_or_else(not_measuring)?;
+        Ok(measuring.meter.step(work.clamp(1.0, 1e9) as usize).fraction)
     }
 
     /// The measurement's result as JSON, and the end of it.
     #[wasm_bindgen(js_name = takeDeviation)]
     pub fn take_deviation(&mut self) -> Result<String, JsValue> {
-        let meter = self.measuring.take().ok_or_else(not_measuring)?;
-        to_json(&DeviationSummary::from(meter.finish()))
+        let Measuring { meter, map_lengths } = self.measuring.take().ok_or_else(not_measuring)?;
+        let mut deviation = meter.finish();
+        let summary = DeviationSummary { map_lengths, ..DeviationSummary::from(&deviation) };
+        self.map = std::mem::take(&mut deviation.simplified_distances);
+        self.map.append(&mut deviation.simplified_surroundings);
+        to_json(&summary)
+    }
+
+    /// The map of the measurement taken last, once: for all vertices of the measured level the distance at each, then
+    /// for all of them the largest around each.
+    #[wasm_bindgen(js_name = takeMap)]
+    pub fn take_map(&mut self) -> js_sys::Float32Array {
+        std::mem::take(&mut self.map).as_slice().into()
     }
 
     /// Drops a running measurement.
@@ -673,7 +739,9 @@ impl Model {
             record: None,
             result: None,
             level: None,
+            aside: None,
             measuring: None,
+            map: Vec::new(),
         }
     }
 

@@ -12,7 +12,7 @@ use decimesh::simplify::{SimplifyOptions, simplify};
 use proptest::prelude::*;
 
 fn with(sample_count: usize) -> DeviationOptions {
-    DeviationOptions { sample_count, vertex_distances: true }
+    DeviationOptions { sample_count, vertex_distances: true, simplified_map: true }
 }
 
 fn between(original: &Mesh, simplified: &Mesh) -> Deviation {
@@ -138,7 +138,7 @@ fn the_maximum_is_found_at_a_vertex_and_on_an_edge_however_few_the_samples() {
     let plate = support::plate(40, 0.0);
     let mut spiked = plate.clone();
     spiked.positions[20 * 41 + 20][2] = 3.0;
-    let options = DeviationOptions { sample_count: 10, vertex_distances: false };
+    let options = DeviationOptions { sample_count: 10, vertex_distances: false, ..DeviationOptions::default() };
     assert_eq!(measure(&spiked, &plate, &options).unwrap().max, 3.0);
     let roof = Mesh::from_arrays(
         vec![[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [4.0, -3.0, 0.0], [4.0, 3.0, 0.0]],
@@ -415,4 +415,30 @@ proptest! {
             prop_assert!(deviation.max.is_finite() && deviation.mean.is_finite() && deviation.rms.is_finite());
         }
     }
+}
+
+#[test]
+fn the_map_tells_of_each_vertex_and_of_what_is_around_it() {
+    let plate = support::plate(8, 0.0);
+    let raised = moved(&plate, |[x, y, z]| [x, y, z + 0.5]);
+    let map = between(&plate, &raised);
+    assert_eq!(map.simplified_distances, vec![0.5; 81]);
+    assert_eq!(map.simplified_surroundings, vec![0.5; 81]);
+    // A bump in the middle of a plate of which the level has only the corners: they are in their places.
+    let mut bumped = plate.clone();
+    bumped.positions[4 * 9 + 4][2] = 2.0;
+    let corners = [0, 8, 72, 80].map(|w: usize| plate.positions[w]).to_vec();
+    let level = Mesh::from_arrays(corners, vec![[0, 1, 3], [0, 3, 2]], vec![]);
+    let map = between(&bumped, &level);
+    assert_eq!(map.simplified_distances, vec![0.0; 4]);
+    let highest = map.simplified_surroundings.iter().copied().fold(0.0, f32::max);
+    assert_eq!(f64::from(highest), map.max, "{:?}", map.simplified_surroundings);
+    assert!(map.simplified_surroundings.iter().all(|&d| d > 0.0));
+    // Two triangles that do not share wedges, but places: the map has no seam.
+    let soup: Vec<[f32; 3]> = level.triangles.iter().flatten().map(|&w| level.positions[w as usize]).collect();
+    let soup = between(&bumped, &Mesh::from_arrays(soup, vec![[0, 1, 2], [3, 4, 5]], vec![]));
+    assert_eq!(soup.simplified_surroundings[0], soup.simplified_surroundings[3]);
+    assert_eq!(soup.simplified_surroundings[2], soup.simplified_surroundings[4]);
+    let without = measure(&plate, &raised, &DeviationOptions::default()).unwrap();
+    assert!(without.simplified_distances.is_empty() && without.simplified_surroundings.is_empty());
 }

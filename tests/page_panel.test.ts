@@ -200,7 +200,7 @@ describe('details', () => {
     await status(/^Ready\. Showing/);
     await page.getByRole('button', { name: 'Details' }).click();
     const sheet = page.getByRole('dialog', { name: 'Details' });
-    await sheet.getByText(/^\d+(\.\d)? %, [\d.]+ kB$/).waitFor();
+    await sheet.getByText(/^\d+(\.\d)? %, [\d.]+ [kM]B$/).waitFor();
     await sheet.getByText(/^[\d.]+ s instead of 1\.5 s$/).waitFor();
     expect(await sheet.getByRole('row', { name: /^Textures/ }).innerText()).toMatch(/kB|MB/);
     await sheet.getByText(/^This model goes down to [\d,]+ triangles\.$/).waitFor();

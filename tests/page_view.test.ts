@@ -2,6 +2,7 @@
 import { readFileSync } from 'node:fs';
 import type { BrowserContextOptions, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { readFirstPrimitive, subdivide, writeGlb } from '../benches/support/subdivide.mjs';
 import { at } from '../scripts/project.mjs';
 import { dropFiles, startPage } from './support/browser.mjs';
 import { openViewWorker, viewWorkerOf } from './support/view_worker.mjs';
@@ -176,6 +177,57 @@ describe('surfaces and lines', () => {
     const checker = page.getByRole('radio', { name: /^Checker/ });
     expect(await checker.isDisabled()).toBe(true);
     await page.getByText('This model has no texture coordinates.').waitFor();
+  });
+
+  it('measures the level for the heat map, draws it with its legend, and anew for another level', async () => {
+    await openPage();
+    await openAt(nefertiti, '600');
+    const plain = await picture();
+    await options().click();
+    const heat = choice('Distance from the original');
+    await heat.check();
+    const legend = page.getByRole('region', { name: 'Legend' });
+    const limit = async (): Promise<number> => Number(/([\d.]+) %$/.exec(await legend.innerText())?.[1]);
+    await status(/^Measured/);
+    const coarse = await limit();
+    expect(coarse).toBeGreaterThan(0.01);
+    await pictureBecomes((now) => !now.equals(plain));
+    // Blue and red are on screen; clay has neither.
+    const colours = async (): Promise<{ blue: number; red: number }> => {
+      const base64 = (await picture()).toString('base64');
+      return page.evaluate(async (source) => {
+        const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${source}`)).blob());
+        const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+        context?.drawImage(image, 0, 0);
+        const { data } = context?.getImageData(0, 0, image.width, image.height) ?? { data: new Uint8ClampedArray() };
+        const counts = { blue: 0, red: 0 };
+        for (let pixel = 0; pixel < data.length; pixel += 4) {
+          const difference = (data[pixel] ?? 0) - (data[pixel + 2] ?? 0);
+          if (difference > 60) counts.red += 1;
+          if (difference < -40) counts.blue += 1;
+        }
+        return counts;
+      }, base64);
+    };
+    await expect.poll(async () => Math.min(...Object.values(await colours())), LONG).toBeGreaterThan(50);
+    await slider().fill('6000');
+    await legend.getByText('The distance is measured first.').waitFor();
+    await status(/^Measured/);
+    expect(await limit()).toBeLessThan(coarse);
+    await choice('As in the file').check();
+    await slider().fill('600');
+    await pictureBecomes((now) => now.equals(plain));
+  });
+
+  it('leaves the heat map when its measuring is cancelled', async () => {
+    await openPage();
+    await openAt({ name: 'large.glb', bytes: writeGlb(subdivide(readFirstPrimitive(nefertiti.bytes), 1)) }, '60000');
+    await options().click();
+    await choice('Distance from the original').check();
+    await page.getByRole('progressbar', { name: 'Measuring' }).waitFor();
+    await page.getByRole('button', { name: 'Cancel measuring' }).click();
+    await status(/^Cancelled measuring/);
+    expect(await choice('As in the file').isChecked()).toBe(true);
   });
 
   it('counts and draws borders and seams of what is on screen', async () => {

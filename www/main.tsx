@@ -106,6 +106,9 @@ const actions: Actions = {
 };
 
 let addressTimer: ReturnType<typeof setTimeout> | undefined;
+/** Milliseconds that a level has been on screen for before it is measured for the heat map. */
+const HEAT_PAUSE = 400;
+let heatTimer: ReturnType<typeof setTimeout> | undefined;
 let loadUpdate = (): void => {};
 let drawing = false;
 let observedDock: Element | null = null;
@@ -124,6 +127,11 @@ watch((now) => JSON.stringify([now.model?.wantedTriangles, transitions.choicesOf
 watch((now) => JSON.stringify([now.quality, now.run]), () => rememberChoices(transitions.choicesOf(state.peek())));
 watch((now) => JSON.stringify([now.model?.wantedTriangles, now.model?.origin, transitions.choicesOf(now)]), keepAddressLater);
 watch((now) => now.sheet, () => requestAnimationFrame(() => view.setInsets(insetsOf(host))));
+watch(transitions.heatMapWish, (wish) => {
+  clearTimeout(heatTimer);
+  // Levels that a drag passes are not measured.
+  if (wish !== null) heatTimer = setTimeout(() => void session.measure(), HEAT_PAUSE);
+});
 watch((now) => now.view, (settings) => view.setSettings(settings));
 watch((now) => now.view.theme, (theme) => view.setTheme(applyTheme(theme)));
 watch((now) => now.model?.name, (name) => {

@@ -10,6 +10,7 @@ import { encodingFor, writeOptions } from './encoding.ts';
 import { blobOf, save } from './formats.ts';
 import type { Quality } from './formats.ts';
 import { t } from './messages/messages.ts';
+import { heatLimit } from './preview/heat.ts';
 import type { View } from './preview/view.ts';
 import { fetchModel } from './remote.ts';
 import { readScene } from './scene.ts';
@@ -155,10 +156,13 @@ export class Session {
     update((state) => transitions.measuringProgressed(state, 0));
     try {
       await this.selectLevel(open, model);
-      const deviation = await open.document.measure({
+      const { deviation, wedgeSets } = await open.document.deviationMap({
         signal: measuring.signal,
         onProgress: (fraction) => update((state) => transitions.measuringProgressed(state, fraction)),
       });
+      if (this.current === open && !measuring.signal.aborted) {
+        this.view.setDeviation(wedgeSets.map(({ surroundings }) => surroundings), heatLimit(deviation));
+      }
       update((state) => transitions.measuringEnded(state, deviation, describeDeviation(deviation)));
     } catch (error) {
       const cancelled = measuring.signal.aborted;
@@ -166,11 +170,11 @@ export class Session {
       if (cancelled) {
         // A new wish has ended it already, and goes on to what it asks for.
         if (this.store.value.model?.measurement.kind !== 'running') return;
-        this.store.update((state) => transitions.measuringEnded(state, null, t('status.cancelledMeasuring')));
+        this.store.update((state) => transitions.heatMapLeft(transitions.measuringEnded(state, null, t('status.cancelledMeasuring'))));
       } else if (await this.reopen(open, error)) {
         void this.record(open);
       } else {
-        update((state) => transitions.measuringEnded(transitions.failed(state, describeError(error)), null, ''));
+        update((state) => transitions.heatMapLeft(transitions.measuringEnded(transitions.failed(state, describeError(error)), null, '')));
       }
     } finally {
       if (open.measuring === measuring) open.measuring = null;

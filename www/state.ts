@@ -349,6 +349,16 @@ export const isOutputCurrent = (state: State): boolean => {
 
 // --- measuring
 
+/** Without a measurement there is nothing to colour the surface by. */
+export const heatMapLeft = (state: State): State =>
+  state.view.surface === 'deviation' ? viewChanged(state, { surface: 'textured' }) : state;
+
+/** What the heat map is waiting for: the level that is to be measured, as a key; null when there is nothing to do. */
+export const heatMapWish = (state: State): string | null =>
+  state.model !== null && state.view.surface === 'deviation' && state.model.measurement.kind === 'none' && canMeasure(state.model)
+    ? `${state.model.name} ${state.model.shownFor}`
+    : null;
+
 /** Whether the level on screen can be measured now. */
 export const canMeasure = (model: Model): boolean => model.history.kind === 'ready' && isSettled(model);
 

@@ -5,7 +5,7 @@ import { DecimeshError, errorFromData, invalidArgument } from '../errors.js';
 import { isFile, listFiles, loadFiles } from '../files.js';
 import { RUN_NAMES, checkNames, checkSignal } from '../options.js';
 import type { NodeWorker } from '../platform.js';
-import type { Deviation } from '../report.js';
+import type { Deviation, DeviationMap } from '../report.js';
 import type {
   DocumentInput,
   DocumentSimplifyOptions,
@@ -28,7 +28,7 @@ export { DecimeshError } from '../errors.js';
 export { COMPRESSIONS, OUTPUT_FORMATS, holdsEncodings, usualFormat } from '../formats.js';
 export { PRESETS, isPreset } from '../options.js';
 export type { Parts } from '../parts.js';
-export type { Deviation, Report, ReportedLod, SideDeviation } from '../report.js';
+export type { Deviation, DeviationMap, Report, ReportedLod, SideDeviation, WedgeSetDeviation } from '../report.js';
 export type * from '../types.js';
 export type { Written };
 
@@ -270,6 +270,13 @@ export class DocumentProxy {
     const [measureOptions, runOptions] = splitOptions(options);
     const request = { type: 'measure', document: this.#number(), options: measureOptions } as const;
     return (await this.#connection.request(request, runOptions)).deviation;
+  }
+
+  /** As `Document.deviationMap`; an abort rejects at once. The arrays are moved, not copied. */
+  async deviationMap(options: MeasureOptions & RunOptions = {}): Promise<DeviationMap> {
+    const [measureOptions, runOptions] = splitOptions(options);
+    const request = { type: 'deviation-map', document: this.#number(), options: measureOptions } as const;
+    return (await this.#connection.request(request, runOptions)).map;
   }
 
   /** As `Document.geometry`; the arrays are moved, not copied. */

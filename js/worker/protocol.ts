@@ -8,7 +8,7 @@
 import type { ErrorData } from '../errors.js';
 import type { LoadedFile } from '../files.js';
 import type { Written } from '../document.js';
-import type { Deviation } from '../report.js';
+import type { Deviation, DeviationMap } from '../report.js';
 import type {
   DocumentSimplifyOptions,
   DocumentSummary,
@@ -48,6 +48,14 @@ export interface LevelRequest {
 /** Measures the selected level against the original. Answered by {@link MeasuredReply}. */
 export interface MeasureRequest {
   readonly type: 'measure';
+  readonly id: number;
+  readonly document: number;
+  readonly options: MeasureOptions;
+}
+
+/** Measures it with a map. Answered by {@link DeviationMapReply}. */
+export interface DeviationMapRequest {
+  readonly type: 'deviation-map';
   readonly id: number;
   readonly document: number;
   readonly options: MeasureOptions;
@@ -100,6 +108,7 @@ export type AnsweredRequest =
   | OpenRequest
   | SimplifyRequest
   | MeasureRequest
+  | DeviationMapRequest
   | LevelRequest
   | GeometryRequest
   | WriteRequest
@@ -129,6 +138,13 @@ export interface MeasuredReply {
   readonly type: 'measured';
   readonly id: number;
   readonly deviation: Deviation;
+}
+
+/** Its arrays are transferred. */
+export interface DeviationMapReply {
+  readonly type: 'deviation-map';
+  readonly id: number;
+  readonly map: DeviationMap;
 }
 
 /** Its arrays are transferred. */
@@ -184,6 +200,7 @@ export type Answer =
   | Opened
   | LevelReply
   | MeasuredReply
+  | DeviationMapReply
   | GeometryReply
   | WrittenReply
   | SimplifiedReply
@@ -197,6 +214,7 @@ export interface AnswerTo {
   open: Opened;
   simplify: LevelReply;
   measure: MeasuredReply;
+  'deviation-map': DeviationMapReply;
   level: LevelReply;
   geometry: GeometryReply;
   write: WrittenReply;

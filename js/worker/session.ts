@@ -61,6 +61,10 @@ export class Session {
         const document = this.#document(request.document);
         return { type: 'measured', id, deviation: await document.measure({ ...request.options, signal, onProgress }) };
       }
+      case 'deviation-map': {
+        const document = this.#document(request.document);
+        return { type: 'deviation-map', id, map: await document.deviationMap({ ...request.options, signal, onProgress }) };
+      }
       case 'level': {
         const document = this.#document(request.document);
         return { type: 'level', id, level: await document.level(request.targets, { signal, onProgress }) };
@@ -128,6 +132,9 @@ function buffersOf(answer: Answer): Transferable[] {
       for (const { positions, attributes } of answer.geometry.wedgeSets) {
         arrays.push(positions, ...Object.values(attributes).map(({ values }) => values));
       }
+      break;
+    case 'deviation-map':
+      for (const { distances, surroundings } of answer.map.wedgeSets) arrays.push(distances, surroundings);
       break;
     case 'written':
       arrays.push(answer.written.bytes, ...answer.written.files.map(({ bytes }) => bytes));

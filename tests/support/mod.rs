@@ -252,7 +252,7 @@ pub fn check_all_levels(name: &str, mesh: &Mesh, sequence: &CollapseSequence, cl
 pub fn measured_plates() -> Deviation {
     let (bumpy, mut flat) = (plate(24, 0.3), plate(17, 0.0));
     flat.positions.iter_mut().for_each(|p| *p = [p[0] * 1.375, p[1] * 1.40625, 0.0625]);
-    let options = DeviationOptions { sample_count: 20_000, vertex_distances: true };
+    let options = DeviationOptions { sample_count: 20_000, vertex_distances: true, ..DeviationOptions::default() };
     measure(&bumpy, &flat, &options).unwrap()
 }
 

@@ -32,6 +32,9 @@ export const de: Messages = {
   'view.contextLost': 'Die Grafikkarte macht eine Pause; die Ansicht kommt von selbst zurück.',
 
   // --- seeing
+  'seeing.deviation': 'Abstand vom Original',
+  'seeing.deviationWaiting': 'Der Abstand wird zuerst gemessen.',
+  'seeing.deviationScale': 'Abstand, von der Diagonale',
   'seeing.original': 'Original',
   'seeing.result': 'Ergebnis',
   'seeing.handle': 'Griff zwischen Original und Ergebnis',

@@ -30,6 +30,9 @@ export const en = {
   'view.contextLost': 'The graphics card took a break; the view comes back by itself.',
 
   // --- seeing
+  'seeing.deviation': 'Distance from the original',
+  'seeing.deviationWaiting': 'The distance is measured first.',
+  'seeing.deviationScale': 'Distance, of the diagonal',
   'seeing.original': 'Original',
   'seeing.result': 'Result',
   'seeing.handle': 'Handle between original and result',

@@ -32,6 +32,9 @@ export const es: Messages = {
   'view.contextLost': 'La tarjeta gráfica se ha tomado un descanso; la vista volverá sola.',
 
   // --- seeing
+  'seeing.deviation': 'Distancia al original',
+  'seeing.deviationWaiting': 'Primero se mide la distancia.',
+  'seeing.deviationScale': 'Distancia, de la diagonal',
   'seeing.original': 'Original',
   'seeing.result': 'Resultado',
   'seeing.handle': 'Divisor entre el original y el resultado',

@@ -32,6 +32,9 @@ export const it: Messages = {
   'view.contextLost': 'La scheda grafica si è presa una pausa; la vista torna da sola.',
 
   // --- seeing
+  'seeing.deviation': 'Distanza dall’originale',
+  'seeing.deviationWaiting': 'Prima si misura la distanza.',
+  'seeing.deviationScale': 'Distanza, della diagonale',
   'seeing.original': 'Originale',
   'seeing.result': 'Risultato',
   'seeing.handle': 'Maniglia tra originale e risultato',

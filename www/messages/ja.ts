@@ -32,6 +32,9 @@ export const ja: Messages = {
   'view.contextLost': 'グラフィックスの処理が中断されました。表示は自動的に戻ります。',
 
   // --- seeing
+  'seeing.deviation': '元のモデルとの距離',
+  'seeing.deviationWaiting': 'まず距離を測定します。',
+  'seeing.deviationScale': '距離（対角線比）',
   'seeing.original': '元のモデル',
   'seeing.result': '結果',
   'seeing.handle': '元のモデルと結果の境界',

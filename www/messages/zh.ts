@@ -32,6 +32,9 @@ export const zh: Messages = {
   'view.contextLost': '显卡暂时中断；视图会自动恢复。',
 
   // --- seeing
+  'seeing.deviation': '与原始模型的距离',
+  'seeing.deviationWaiting': '先测量距离。',
+  'seeing.deviationScale': '距离（占对角线）',
   'seeing.original': '原始模型',
   'seeing.result': '简化结果',
   'seeing.handle': '原始模型与结果之间的分隔条',

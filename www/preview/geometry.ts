@@ -44,6 +44,21 @@ export function levelGeometries(level: LevelGeometry, originals: ReadonlyArray<B
   });
 }
 
+/**
+ * Gives the geometries of a level, made by {@link levelGeometries}, the distances of their vertices from the original.
+ * Whether they fit: an array for each wedge set, a number for each of its vertices.
+ */
+export function addDeviation(geometries: readonly BufferGeometry[], wedgeSetOfGroup: readonly number[], wedgeSets: readonly Float32Array[]): boolean {
+  const attributes = wedgeSets.map((values) => new BufferAttribute(values, 1));
+  const fits = geometries.every((geometry, index) => geometry.getAttribute('position')?.count === attributes[wedgeSetOfGroup[index] ?? -1]?.count);
+  if (!fits) return false;
+  geometries.forEach((geometry, index) => {
+    const attribute = attributes[wedgeSetOfGroup[index] ?? -1];
+    if (attribute !== undefined) geometry.setAttribute('deviation', attribute);
+  });
+  return true;
+}
+
 interface SharedAttributes {
   readonly attributes: Map<string, BufferAttribute>;
   /** By three's name, then by index of the target. */

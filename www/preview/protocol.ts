@@ -17,8 +17,11 @@ export interface ViewSize {
   readonly pixelRatio: number;
 }
 
-/** What the surface shows: the file's materials, plain clay, a pattern over the texture coordinates, or directions. */
-export type Surface = 'textured' | 'shaded' | 'checker' | 'normals';
+/**
+ * What the surface shows: the file's materials, plain clay, a pattern over the texture coordinates, directions, or the
+ * measured distance from the original.
+ */
+export type Surface = 'textured' | 'shaded' | 'checker' | 'normals' | 'deviation';
 
 /** How original and result are seen: one of them, both with a handle between them, or both side by side. */
 export type Layout = 'single' | 'split' | 'beside';
@@ -96,6 +99,11 @@ export type ViewRequest =
   | { readonly type: 'discard'; readonly id: number }
   /** Swaps the geometry of the model shown; null is the file's own. Answered by `drawn`. */
   | { readonly type: 'level'; readonly id: number; readonly geometry: LevelGeometry | null }
+  /**
+   * Distances from the original in model units, an array for each wedge set of the level shown, and the distance that
+   * has the last colour. For a level that is not shown any more it does nothing.
+   */
+  | { readonly type: 'deviation'; readonly wedgeSets: readonly Float32Array[]; readonly limit: number }
   | { readonly type: 'settings'; readonly settings: ViewSettings }
   | { readonly type: 'theme'; readonly theme: ViewTheme }
   | { readonly type: 'resize'; readonly size: ViewSize; readonly insets: Insets }

@@ -5,7 +5,7 @@ import type { ClassifiedEdges, Triangles } from './edge-classes.ts';
 import { edgeIndices, showLines } from './lines.ts';
 import type { LineOverlay } from './lines.ts';
 import { meshOfPart } from './load.ts';
-import type { LoadedModel } from './load.ts';
+import type { LoadedModel, Part } from './load.ts';
 import type { EdgeCounts } from './protocol.ts';
 
 /** Materials of the lines over a surface. */
@@ -34,10 +34,13 @@ export class Side {
     private readonly level: ReadonlyMap<string, BufferGeometry> | null,
   ) {}
 
-  /** Has the model drawn in this state, with the lines that are wanted. */
-  enter(wish: LineWish): void {
+  /** Has the model drawn in this state, with the lines that are wanted; `paint` may change each part's material. */
+  enter(wish: LineWish, paint?: (part: Part) => void): void {
     for (const [key, parts] of this.model.parts) {
-      for (const part of parts) part.mesh.geometry = this.level?.get(key) ?? part.original;
+      for (const part of parts) {
+        part.mesh.geometry = this.level?.get(key) ?? part.original;
+        paint?.(part);
+      }
     }
     if (wish.wireframe) this.wireframe ??= this.drawWireframe();
     if (wish.edgeClasses) this.classes ??= this.drawClasses();

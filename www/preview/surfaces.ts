@@ -2,6 +2,8 @@
 import { DataTexture, LinearFilter, LinearMipmapLinearFilter, MeshNormalMaterial, MeshStandardMaterial, RepeatWrapping, SRGBColorSpace } from 'three';
 import type { BufferGeometry, Material, Side } from 'three';
 import { CLAY } from './load.ts';
+import { heatMaterial } from './heat-material.ts';
+import type { HeatScale } from './heat-material.ts';
 import type { Surface } from './protocol.ts';
 
 /** Squares along each side of the texture's unit square. */
@@ -12,6 +14,8 @@ const SQUARE_PIXELS = 16;
 export class Surfaces {
   private readonly materials = new Map<string, Material>();
   private checker: DataTexture | null = null;
+  /** The distance that has the last colour of the heat map, in model units. */
+  readonly heatScale: HeatScale = { value: 0 };
 
   /** What to draw `geometry` with instead of `own`, its file's material. */
   materialFor(surface: Surface, own: Material, geometry: BufferGeometry): Material {
@@ -19,10 +23,12 @@ export class Surfaces {
     // Without normals the triangles are drawn flat, as the format says of them.
     const flat = geometry.getAttribute('normal') === undefined;
     const textured = surface === 'checker' && geometry.getAttribute('uv') !== undefined;
-    const key = `${surface} ${flat} ${textured} ${own.side}`;
+    // What has not been measured has no colours to show.
+    const measured = surface === 'deviation' && geometry.getAttribute('deviation') !== undefined;
+    const key = `${surface} ${flat} ${textured} ${measured} ${own.side}`;
     let material = this.materials.get(key);
     if (material === undefined) {
-      material = this.make(surface, flat, textured, own.side);
+      material = measured ? heatMaterial(this.heatScale, flat, own.side) : this.make(surface, flat, textured, own.side);
       makeRoomForLines(material);
       this.materials.set(key, material);
     }

@@ -78,6 +78,9 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
         viewer?.setLevel(request.geometry);
         void replyDrawn(request.id);
         break;
+      case 'deviation':
+        viewer?.setDeviation(request.wedgeSets, request.limit);
+        break;
       case 'settings':
         viewer?.setSettings(request.settings);
         break;

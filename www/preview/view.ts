@@ -73,6 +73,12 @@ export class View {
     return this.drawn((id) => this.post({ type: 'level', id, geometry }, buffers));
   }
 
+  /** Tells how far each vertex of the level shown is from the original; the arrays are transferred. */
+  setDeviation(wedgeSets: readonly Float32Array[], limit: number): void {
+    const buffers = [...new Set(wedgeSets.map(({ buffer }) => buffer as ArrayBuffer))];
+    this.post({ type: 'deviation', wedgeSets, limit }, buffers);
+  }
+
   setSettings(settings: ViewSettings): void {
     const { surface, wireframe, edgeClasses, playing, animation, comparing, layout, split, turntable, lamp, morphs } = settings;
     this.post({

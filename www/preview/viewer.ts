@@ -5,11 +5,11 @@ import type { LevelGeometry } from 'decimesh';
 import { OrbitCamera } from './camera.ts';
 import { MorphSetter } from './contents.ts';
 import { roomLight, softShadow } from './environment.ts';
-import { levelGeometries } from './geometry.ts';
+import { addDeviation, levelGeometries } from './geometry.ts';
 import { LampRig } from './lamp.ts';
 import { lineMaterial } from './lines.ts';
 import { disposeModel, materialsOf, partKey, scaleLights } from './load.ts';
-import type { LoadedModel } from './load.ts';
+import type { LoadedModel, Part } from './load.ts';
 import { panesOf } from './panes.ts';
 import type { Pane } from './panes.ts';
 import type { CameraMove, EdgeCounts, Insets, ViewSettings, ViewSize, ViewTheme } from './protocol.ts';
@@ -70,6 +70,8 @@ export class Viewer {
   /** The file's own geometry, and what is shown in its place; null without a level. */
   private original: Side | null = null;
   private result: Side | null = null;
+  /** The result's geometries and the wedge set of each. */
+  private levelParts: { readonly geometries: BufferGeometry[]; readonly wedgeSets: number[] } = { geometries: [], wedgeSets: [] };
   private settings: ViewSettings = STILL_LIFE;
   private panes: Pane[] = [];
   private size: ViewSize = { width: 1, height: 1, pixelRatio: 1 };
@@ -158,16 +160,27 @@ export class Viewer {
     const model = this.model;
     if (model === null) return;
     const previous = this.result;
+    this.levelParts = { geometries: [], wedgeSets: [] };
     if (level === null) this.result = null;
     else {
       const keys = level.groups.map((group) => partKey(group.mesh, group.primitive));
       const originals = keys.map((key) => model.parts.get(key)?.[0]?.original);
       const geometries = new Map<string, BufferGeometry>();
-      levelGeometries(level, originals).forEach((geometry, index) => geometries.set(keys[index] ?? '', geometry));
+      const made = levelGeometries(level, originals);
+      made.forEach((geometry, index) => geometries.set(keys[index] ?? '', geometry));
+      this.levelParts = { geometries: made, wedgeSets: level.groups.map(({ wedgeSet }) => wedgeSet) };
       this.result = new Side(model, this.lines, geometries);
     }
     previous?.dispose();
     this.tellEdges();
+    this.invalidate();
+  }
+
+  /** Colours the result by its distances from the original, if they are of the level shown. */
+  setDeviation(distances: readonly Float32Array[], limit: number): void {
+    const { geometries, wedgeSets } = this.levelParts;
+    if (!addDeviation(geometries, wedgeSets, distances)) return;
+    this.surfaces.heatScale.value = limit;
     this.invalidate();
   }
 
@@ -236,12 +249,13 @@ export class Viewer {
 
   /** Gives every part the material of the surface that is wanted. */
   private paint(): void {
-    const { surface } = this.settings;
-    for (const { mesh, original, material } of [...(this.model?.parts.values() ?? [])].flat()) {
-      const change = (own: Material): Material => this.surfaces.materialFor(surface, own, original);
-      mesh.material = Array.isArray(material) ? material.map(change) : change(material);
-    }
+    for (const part of [...(this.model?.parts.values() ?? [])].flat()) this.paintPart(part);
   }
+
+  private readonly paintPart = ({ mesh, material }: Part): void => {
+    const change = (own: Material): Material => this.surfaces.materialFor(this.settings.surface, own, mesh.geometry);
+    mesh.material = Array.isArray(material) ? material.map(change) : change(material);
+  };
 
   private side({ side }: Pane): Side | null {
     return side === 'original' ? this.original : (this.result ?? this.original);
@@ -273,6 +287,7 @@ export class Viewer {
     this.morphs = null;
     this.original = null;
     this.result = null;
+    this.levelParts = { geometries: [], wedgeSets: [] };
     this.model = null;
   }
 
@@ -313,7 +328,8 @@ export class Viewer {
       renderer.setViewport(pane.viewport.left, 0, pane.viewport.width, size.height);
       renderer.setScissor(pane.visible.left, 0, pane.visible.width, size.height);
       renderer.setScissorTest(divided);
-      side?.enter(this.settings);
+      // The heat map alone is of one side only.
+      side?.enter(this.settings, this.settings.surface === 'deviation' ? this.paintPart : undefined);
       renderer.render(this.scene, this.view.camera);
       side?.leave();
     }

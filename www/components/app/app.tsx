@@ -118,7 +118,12 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
         insets={state.insets}
         onSplit={(split) => actions.changeView({ split })}
       />
-      <Legend surface={state.view.surface} edgeCounts={state.edgeCounts} />
+      <Legend
+        surface={state.view.surface}
+        edgeCounts={state.edgeCounts}
+        measurement={model.measurement}
+        diagonal={model.source.diagonal}
+      />
       <Toolbar
         view={state.view}
         contents={state.contents}

@@ -37,7 +37,7 @@ export function Weights({ weights, onWeights }: WeightsProps) {
             // Each value is a run of its own: it counts when the slider is let go.
             onChange={(event) => onWeights({ ...weights, [name]: weightAt(event.currentTarget.valueAsNumber) })}
           />
-          <output for={`weight-${name}`}>× {weights[name].toLocaleString(currentLanguage())}</output>
+          <span class="weight-value" aria-hidden="true">× {weights[name].toLocaleString(currentLanguage())}</span>
         </div>
       ))}
     </fieldset>

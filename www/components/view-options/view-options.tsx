@@ -22,6 +22,7 @@ const SURFACES: ReadonlyArray<Choice<Surface>> = [
   ['shaded', 'seeing.shaded'],
   ['checker', 'seeing.checker'],
   ['normals', 'seeing.normals'],
+  ['deviation', 'seeing.deviation'],
 ];
 const LAYOUTS: ReadonlyArray<Choice<Layout>> = [
   ['single', 'seeing.single'],
@@ -71,6 +72,13 @@ export function ViewOptions({ id, view, contents, reducedMotion, onView, onMorph
       />
       <fieldset>
         <legend>{t('seeing.motion')}</legend>
+        {contents.animations.length > 1 && (
+          <select class="animation" aria-label={t('view.animation')} value={view.animation} onChange={(event) => onView({ animation: Number(event.currentTarget.value) })}>
+            {contents.animations.map((name, index) => (
+              <option key={index} value={index}>{name}</option>
+            ))}
+          </select>
+        )}
         <Check
           checked={view.turntable && !reducedMotion}
           refused={reducedMotion ? t('seeing.reducedMotion') : undefined}
