@@ -1,12 +1,12 @@
 // The panel beside the view as people use it: limits, options, parts of a model, levels, results, undo, the address.
 import { readFileSync } from 'node:fs';
 import type { BrowserContextOptions, Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { at } from '../scripts/project.mjs';
 import { dropFiles, startPage } from './support/browser.mjs';
+import { LONG, openPanelPage, type PanelPage } from './support/panel_page.ts';
 import { gltfErrors } from './support/validate.ts';
 
-const LONG = { timeout: 40_000 };
 const sample = (name: string): Buffer => readFileSync(at('www', 'samples', name));
 const fan = { name: 'desk-fan.glb', bytes: sample('desk-fan.glb') };
 const helmet = { name: 'flight-helmet.glb', bytes: sample('flight-helmet.glb') };
@@ -14,6 +14,7 @@ const helmet = { name: 'flight-helmet.glb', bytes: sample('flight-helmet.glb') }
 let served: Awaited<ReturnType<typeof startPage>>;
 let page: Page;
 let problems: string[];
+let status: PanelPage['status'];
 
 beforeAll(async () => {
   served = await startPage();
@@ -21,28 +22,15 @@ beforeAll(async () => {
 afterAll(() => served?.close());
 
 async function openPage(options: BrowserContextOptions = {}, path = ''): Promise<void> {
-  const context = await served.browser.newContext({
-    viewport: { width: 1280, height: 900 }, reducedMotion: 'reduce', permissions: ['clipboard-read', 'clipboard-write'], ...options,
-  });
-  page = await context.newPage();
-  page.setDefaultTimeout(LONG.timeout);
-  page.on('console', (message) => {
-    if (message.type() === 'error') problems.push(message.text());
-  });
-  page.on('pageerror', (error) => problems.push(String(error)));
-  await page.goto(served.url + path);
+  ({ page, problems, status } = await openPanelPage(served.browser, served.url + path, options));
 }
 
-beforeEach(() => {
-  problems = [];
-});
 afterEach(async () => {
   await page.context().close();
   expect(problems).toEqual([]);
 });
 
 const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true });
-const status = (text: RegExp) => page.getByRole('status').filter({ hasText: text }).waitFor(LONG);
 const ready = () => status(/^Ready/);
 const wanted = async (): Promise<number> => Number(await slider().inputValue());
 const query = (): URLSearchParams => new URL(page.url()).searchParams;
