@@ -5,7 +5,7 @@ import { isChain, runKey } from './choices.ts';
 import type { Choices, Goal, RunSettings } from './choices.ts';
 import { describeError } from './describe_error.ts';
 import { baseName, modelFile, relativeToModel } from './files.ts';
-import { formatBytes, formatShare } from './format.ts';
+import { formatShare } from './format.ts';
 import { encodingFor, writeOptions } from './encoding.ts';
 import { blobOf, save } from './formats.ts';
 import type { Quality } from './formats.ts';
@@ -392,12 +392,12 @@ export class Session {
     open.reached = key;
     if (now.goal.kind === 'triangles') return false;
     try {
-      const { triangles, remark } = await this.findGoal(open, now, now.goal);
+      const triangles = await this.findGoal(open, now, now.goal);
       if (this.current !== open || goalKey(this.store.value) !== key) return true;
       // Looking for it has selected other levels.
       if (open.fitted !== null) this.store.update(transitions.levelStale);
       open.fitted = null;
-      this.store.update((state) => transitions.goalReached(state, triangles, remark));
+      this.store.update((state) => transitions.goalReached(state, triangles));
     } catch (error) {
       open.reached = null;
       throw error;
@@ -405,14 +405,10 @@ export class Session {
     return true;
   }
 
-  private async findGoal(open: OpenDocument, now: State, goal: Exclude<Goal, { kind: 'triangles' }>): Promise<{ triangles: number; remark: string }> {
-    if (goal.kind === 'error') {
-      const { triangles } = await open.document.level({ error: `${goal.percent}%` });
-      return { triangles, remark: '' };
-    }
+  private async findGoal(open: OpenDocument, now: State, goal: Exclude<Goal, { kind: 'triangles' }>): Promise<number> {
+    if (goal.kind === 'error') return (await open.document.level({ error: `${goal.percent}%` })).triangles;
     const { report } = await open.document.write({ ...writeOptions(now.outputFormat, encodingFor(now.outputFormat, now.encoding)), size: goal.bytes });
-    const missed = report.warnings.some(({ code }) => code === 'size-not-reached');
-    return { triangles: report.output.triangles, remark: missed ? t('goal.tooSmall', { size: formatBytes(report.output.bytes) }) : '' };
+    return report.output.triangles;
   }
 
   /** Sees to it that the document stands at the level that is wanted. */

@@ -310,8 +310,8 @@ export const levelShown = (state: State, shown: Level, shownFor: number, meshTri
   withModel({ ...state, remark: '' }, (model) => ({ ...model, shown, shownFor, meshTriangles }));
 
 /** The slider goes where the goal wants it; that is no choice of its own. */
-export const goalReached = (state: State, triangles: number, remark = ''): State =>
-  withModel({ ...state, remark }, (model) => withWish(model, clamp(triangles, fewestTriangles(model), model.source.triangles)));
+export const goalReached = (state: State, triangles: number): State =>
+  withModel(state, (model) => withWish(model, clamp(triangles, fewestTriangles(model), model.source.triangles)));
 
 /** Another run has taken the place of the one that everything so far was made from. */
 export const historyReplaced = (state: State): State => withModel(levelStale(state), (model) => ({ ...model, output: null }));
