@@ -381,7 +381,7 @@ export const fewestTriangles = (model: Model): number =>
 const withStep = (state: State, gesture: number, change: (state: State, model: Model) => State): State => {
   const { model } = state;
   if (model === null) return state;
-  const undo = gesture === model.gesture ? model.undo : [...model.undo, stepOf(state, model)].slice(-UNDO_LIMIT);
+  const undo = gesture !== NO_GESTURE && gesture === model.gesture ? model.undo : [...model.undo, stepOf(state, model)].slice(-UNDO_LIMIT);
   return change(state, { ...model, undo, redo: [], gesture });
 };
 
