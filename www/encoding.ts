@@ -1,7 +1,7 @@
 // How the geometry of a download is stored: the choices, and what the package calls them.
 import { holdsEncodings } from 'decimesh/worker';
 import type { Compression, WriteOptions } from 'decimesh/worker';
-import type { OutputFormat } from './state.ts';
+import type { OutputFormat } from './formats.ts';
 
 /** A choice under Compression. */
 export type Encoding = Compression | 'quantized' | 'meshopt-quantized';

@@ -44,3 +44,21 @@ const superscript = (exponent: string): string =>
 
 const threeDigits = (value: number): string =>
   value >= 100 ? formatCount(Math.round(value)) : value.toLocaleString(currentLanguage(), { maximumSignificantDigits: 3 });
+
+/** A number as people type it, with a point or a comma before its fraction; null for what is none. */
+export const readNumber = (text: string): number | null => {
+  const plain = text.replace(/[\s\u00a0\u202f'’_]/g, '');
+  const parts = plain.split(/[.,]/);
+  // Of several separators only the last may stand before a fraction.
+  const joined = parts.length > 2 ? `${parts.slice(0, -1).join('')}.${parts.at(-1)}` : plain.replace(',', '.');
+  return /^\d*\.?\d+$|^\d+\.$/.test(joined) ? Number(joined) : null;
+};
+
+/** Bits a second of a usual 4G connection, as browsers' tools throttle to. */
+const FOURTH_GENERATION = 9e6;
+
+/** How long `bytes` take over 4G: `0.4 s`. */
+export const formatDownloadTime = (bytes: number): string => {
+  const seconds = (bytes * 8) / FOURTH_GENERATION;
+  return t('figure.seconds', { value: seconds >= 10 ? formatCount(Math.round(seconds)) : seconds.toLocaleString(currentLanguage(), { maximumFractionDigits: seconds < 1 ? 2 : 1 }) });
+};

@@ -13,7 +13,9 @@ export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: Cam
   addEventListener('keydown', (event) => {
     const { key } = event;
     if (key === 'Escape') {
-      if (canCancel(state())) actions.cancel();
+      if (state().help) return;
+      if (canCancel(state()) || state().batch?.running === true) actions.cancel();
+      else if (state().sheet !== null && state().notice === null) actions.toggleSheet(null);
       else actions.dismiss();
       return;
     }
@@ -24,15 +26,21 @@ export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: Cam
         event.preventDefault();
         if (lower === 'y' || event.shiftKey) actions.redo();
         else actions.undo();
+      } else if (lower === 's' && state().model !== null) {
+        event.preventDefault();
+        actions.download();
       }
       return;
     }
-    if (state().model === null) return;
+    if (key === '?') actions.toggleHelp(!state().help);
+    if (state().model === null || state().help) return;
     const turn = event.target === canvas ? cameraMove(key) : undefined;
     if (turn !== undefined) {
       event.preventDefault();
       move(turn);
-    } else if (key === 'f' || key === 'F') actions.fit();
+    } else if (key === 'o' || key === 'O') actions.toggleSheet('options');
+    else if (key === 'i' || key === 'I') actions.toggleSheet('details');
+    else if (key === 'f' || key === 'F') actions.fit();
     else if (key === 'w' || key === 'W') actions.changeView({ wireframe: !state().view.wireframe });
     else if (key === 's' || key === 'S') actions.changeView({ layout: state().view.layout === 'split' ? 'single' : 'split' });
     else if (key === 'e' || key === 'E') actions.changeView({ edgeClasses: !state().view.edgeClasses });

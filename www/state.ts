@@ -1,25 +1,16 @@
 // The page's one state value and the pure transitions between its values; nothing here fetches, draws or waits.
-import type { Compression, OutputFormat as PackageFormat, Preset } from 'decimesh/worker';
+import type { Blockers, Compression, Parts, ReportedLod } from 'decimesh/worker';
+import type { BatchState } from './batch/batch_state.ts';
+import { DEFAULT_CHOICES, DEFAULT_RUN, isChain, runKey, withWishes } from './choices.ts';
+import type { Choices, Goal, RunSettings, Wish } from './choices.ts';
+import { encodingFor } from './encoding.ts';
 import type { Encoding } from './encoding.ts';
-import { t } from './messages/messages.ts';
+import { isOutputFormat } from './formats.ts';
+import type { OutputFormat, Quality } from './formats.ts';
 import type { Language } from './messages/messages.ts';
 import { NO_CONTENTS } from './preview/no-contents.ts';
 import type { EdgeCounts, Insets, ViewContents, ViewSettings } from './preview/protocol.ts';
-
-/** What the page saves: formats of one file. */
-export type OutputFormat = Exclude<PackageFormat, 'gltf'>;
-
-/** The formats that the page can download, and what it calls them. */
-export const FORMAT_NAMES: Readonly<Record<OutputFormat, string>> = { glb: 'GLB', obj: 'OBJ', ply: 'PLY', stl: 'STL', off: 'OFF', smf: 'SMF' };
-
-/** Whether `value` names a format that can be downloaded. */
-export const isOutputFormat = (value: string): value is OutputFormat => Object.hasOwn(FORMAT_NAMES, value);
-
-/** How good the level is that is downloaded. */
-export type Quality = Preset;
-
-/** The qualities as the page offers them. */
-export const QUALITIES: readonly Quality[] = ['fast', 'balanced', 'best'];
+import type { SceneNode } from './scene.ts';
 
 /** Something that went wrong, or a remark about a file, as the engine reports it. */
 export interface Notice {
@@ -54,7 +45,7 @@ export interface Level {
 export type History =
   | { readonly kind: 'none' }
   | { readonly kind: 'recording'; readonly fraction: number }
-  | { readonly kind: 'ready'; readonly fewestTriangles: number; /** Why there are no fewer, as part of a sentence; may be empty. */ readonly limit: string };
+  | { readonly kind: 'ready'; readonly fewestTriangles: number; /** Why there are no fewer. */ readonly blockers: Blockers | null };
 
 /** Measured distances between the level and the original, in model units, both ways together. */
 export interface Deviation {
@@ -77,15 +68,38 @@ export interface Output {
   readonly encoding: Encoding;
   /** The wish whose level was written. */
   readonly wantedTriangles: number;
+  /** The chain that was written; empty: one level. */
+  readonly lods: readonly number[];
   readonly bytes: number;
+  /** Where the bytes are; null while that is unknown. */
+  readonly parts: Parts | null;
+  /** What became of each level of the chain. */
+  readonly levels: readonly ReportedLod[];
 }
+
+/** Where a model came from, if the page's address can say it. */
+export interface Origin {
+  readonly kind: 'model' | 'sample';
+  readonly address: string;
+}
+
+/** All that one step of undo goes back to. */
+export type Step = Choices & { readonly wantedTriangles: number };
 
 /** The model on screen. */
 export interface Model {
   /** Base name without extension; the download gets it. */
   readonly name: string;
+  /** With extension, as it was opened. */
+  readonly fileName: string;
+  readonly origin: Origin | null;
   readonly credit: string;
   readonly source: Source;
+  /** Where the bytes of the file are; null while that is unknown. */
+  readonly parts: Parts | null;
+  readonly scene: readonly SceneNode[];
+  /** Triangles of each mesh at the level shown, by its number; null at full detail. */
+  readonly meshTriangles: ReadonlyMap<number, number> | null;
   readonly warnings: readonly Notice[];
   /** Names of the animations, in file order. */
   readonly animations: readonly string[];
@@ -100,8 +114,8 @@ export interface Model {
   readonly shownFor: number;
   readonly output: Output | null;
   readonly measurement: Measurement;
-  readonly undo: readonly number[];
-  readonly redo: readonly number[];
+  readonly undo: readonly Step[];
+  readonly redo: readonly Step[];
   /** The gesture of the last move: moves of one drag are undone together. */
   readonly gesture: number;
 }
@@ -119,15 +133,20 @@ export interface View extends ViewSettings {
   readonly theme: 'system' | 'light' | 'dark';
 }
 
+/** What stands beside the model. */
+export type Sheet = 'options' | 'details';
+
 /** Everything the page shows. */
-export interface State {
+export interface State extends Choices {
   readonly model: Model | null;
   readonly task: Task | null;
   readonly notice: Notice | null;
-  readonly outputFormat: OutputFormat;
-  /** How the geometry is stored where the format has a choice. */
-  readonly encoding: Encoding;
-  readonly quality: Quality;
+  /** What the page's address asks for of the first model. */
+  readonly wish: Wish;
+  readonly sheet: Sheet | null;
+  readonly help: boolean;
+  /** Several files at once, in place of a model. */
+  readonly batch: BatchState | null;
   readonly language: Language;
   readonly view: View;
   /** What the model has to be looked at. */
@@ -149,6 +168,9 @@ export interface State {
 /** A triangle count that nobody wishes for. */
 const NO_WISH = -1;
 
+/** A gesture that nothing continues. */
+const NO_GESTURE = -1;
+
 /** Undo steps kept. */
 const UNDO_LIMIT = 200;
 
@@ -156,9 +178,11 @@ export const initialState: State = {
   model: null,
   task: null,
   notice: null,
-  outputFormat: 'glb',
-  encoding: 'none',
-  quality: 'balanced',
+  ...DEFAULT_CHOICES,
+  wish: {},
+  sheet: null,
+  help: false,
+  batch: null,
   language: 'en',
   view: {
     surface: 'textured',
@@ -205,28 +229,54 @@ export const taskEnded = (state: State, remark = state.remark): State => ({ ...s
 /** A model replaces the one before it, at full detail, to be saved in its own format and compression; its history is recorded from now on. */
 export const modelOpened = (
   state: State,
-  opened: Pick<Model, 'name' | 'credit' | 'source' | 'warnings' | 'animations'>,
+  opened: Pick<Model, 'name' | 'credit' | 'source' | 'warnings' | 'animations'> & Partial<Pick<Model, 'fileName' | 'origin' | 'parts' | 'scene'>>,
 ): State => ({
   ...state,
+  ...withWishes({ ...choicesOf(state), goal: DEFAULT_CHOICES.goal, run: { ...state.run, kept: [] }, ...usualFor(opened.source) }, state.wish),
+  wish: {},
+  batch: null,
   task: null,
   notice: null,
   remark: '',
-  outputFormat: isOutputFormat(opened.source.format) ? opened.source.format : 'glb',
-  encoding: opened.source.compression,
   view: { ...state.view, animation: 0, comparing: false, morphs: [] },
   model: {
+    fileName: `${opened.name}.${opened.source.format}`,
+    origin: null,
+    parts: null,
+    scene: [],
     ...opened,
+    meshTriangles: null,
     drawn: false,
     history: { kind: 'recording', fraction: 0 },
-    wantedTriangles: opened.source.triangles,
+    wantedTriangles: clamp(state.wish.triangles ?? Infinity, 1, opened.source.triangles),
     shown: { triangles: opened.source.triangles, vertices: opened.source.vertices, estimatedError: 0 },
     shownFor: opened.source.triangles,
     output: null,
     measurement: { kind: 'none' },
     undo: [],
     redo: [],
-    gesture: -1,
+    gesture: NO_GESTURE,
   },
+});
+
+/** How a model is saved when nobody chooses: as it came. */
+export const usualFor = (source: Source): Pick<Choices, 'outputFormat' | 'encoding'> => ({
+  outputFormat: isOutputFormat(source.format) ? source.format : 'glb',
+  encoding: source.compression,
+});
+
+/** The choices in `state` by themselves. */
+export const choicesOf = ({ goal, run, lods, outputFormat, encoding, quality }: State): Choices => ({ goal, run, lods, outputFormat, encoding, quality });
+
+/** Back to the start page, or to `batch`. */
+export const modelClosed = (state: State, batch: BatchState | null): State => ({
+  ...state,
+  model: null,
+  batch,
+  task: null,
+  notice: null,
+  sheet: null,
+  remark: '',
 });
 
 /** A failure is shown; the model that was there stays. */
@@ -248,16 +298,23 @@ export const recordingEnded = (state: State, remark: string): State => ({
   remark,
 });
 
-/** Levels down to `fewestTriangles` can be had, and no fewer because of `limit`; a wish for fewer becomes that. */
-export const historyReady = (state: State, fewestTriangles: number, limit = ''): State =>
+/** Levels down to `fewestTriangles` can be had, and no fewer because of `blockers`; a wish for fewer becomes that. */
+export const historyReady = (state: State, fewestTriangles: number, blockers: Blockers | null = null): State =>
   withModel({ ...state, remark: '' }, (model) => ({
     ...withWish(model, clamp(model.wantedTriangles, fewestTriangles, model.source.triangles)),
-    history: { kind: 'ready', fewestTriangles, limit },
+    history: { kind: 'ready', fewestTriangles, blockers },
   }));
 
 /** The level that answers the wish for `shownFor` triangles is on screen. */
-export const levelShown = (state: State, shown: Level, shownFor: number): State =>
-  withModel({ ...state, remark: '' }, (model) => ({ ...model, shown, shownFor }));
+export const levelShown = (state: State, shown: Level, shownFor: number, meshTriangles: Model['meshTriangles'] = null): State =>
+  withModel({ ...state, remark: '' }, (model) => ({ ...model, shown, shownFor, meshTriangles }));
+
+/** The slider goes where the goal wants it; that is no choice of its own. */
+export const goalReached = (state: State, triangles: number, remark = ''): State =>
+  withModel({ ...state, remark }, (model) => withWish(model, clamp(triangles, fewestTriangles(model), model.source.triangles)));
+
+/** Another run has taken the place of the one that everything so far was made from. */
+export const historyReplaced = (state: State): State => withModel(levelStale(state), (model) => ({ ...model, output: null }));
 
 /** The level on screen is to be replaced, by one of the same count too; what was measured is of no use then. */
 export const levelStale = (state: State): State =>
@@ -277,6 +334,18 @@ export const fittingEnded = (state: State): State =>
 export const modelDrawn = (state: State): State => withModel(state, (model) => ({ ...model, drawn: true }));
 
 export const outputMeasured = (state: State, output: Output): State => withModel(state, (model) => ({ ...model, output }));
+
+/** Whether the size that is known is that of what Download would save. */
+export const isOutputCurrent = (state: State): boolean => {
+  const output = state.model?.output ?? null;
+  return (
+    output !== null &&
+    output.wantedTriangles === state.model?.wantedTriangles &&
+    output.format === state.outputFormat &&
+    output.encoding === encodingFor(state.outputFormat, state.encoding) &&
+    output.lods.join() === (isChain(state) ? state.lods.join() : '')
+  );
+};
 
 // --- measuring
 
@@ -308,47 +377,79 @@ export const measuringEnded = (state: State, deviation: Deviation | null, remark
 export const fewestTriangles = (model: Model): number =>
   model.history.kind === 'ready' ? model.history.fewestTriangles : Math.min(1, model.source.triangles);
 
+/** One more step that can be undone, before `change`; changes with the same `gesture` are one step. */
+const withStep = (state: State, gesture: number, change: (state: State, model: Model) => State): State => {
+  const { model } = state;
+  if (model === null) return state;
+  const undo = gesture === model.gesture ? model.undo : [...model.undo, stepOf(state, model)].slice(-UNDO_LIMIT);
+  return change(state, { ...model, undo, redo: [], gesture });
+};
+
+const stepOf = (state: State, { wantedTriangles }: Model): Step => ({ ...choicesOf(state), wantedTriangles });
+
 /** The slider asks for `triangles`; moves with the same `gesture` are one undo step. */
-export const targetMoved = (state: State, triangles: number, gesture: number): State =>
-  withModel(state, (model) => {
-    const wantedTriangles = clamp(Math.round(triangles), fewestTriangles(model), model.source.triangles);
-    if (!Number.isFinite(wantedTriangles) || wantedTriangles === model.wantedTriangles) return model;
-    const continues = gesture === model.gesture;
-    const undo = continues ? model.undo : [...model.undo, model.wantedTriangles].slice(-UNDO_LIMIT);
-    return { ...withWish(model, wantedTriangles), undo, redo: [], gesture };
-  });
+export const targetMoved = (state: State, triangles: number, gesture: number): State => {
+  if (state.model === null) return state;
+  const wanted = clamp(Math.round(triangles), fewestTriangles(state.model), state.model.source.triangles);
+  if (!Number.isFinite(wanted) || wanted === state.model.wantedTriangles) return state;
+  return withStep(state, gesture, (now, model) => ({ ...now, goal: DEFAULT_CHOICES.goal, model: withWish(model, wanted) }));
+};
 
-export const undone = (state: State): State =>
-  withModel(state, (model) => {
-    const wantedTriangles = model.undo.at(-1);
-    if (wantedTriangles === undefined) return model;
-    return {
-      ...withWish(model, Math.max(wantedTriangles, fewestTriangles(model))),
-      undo: model.undo.slice(0, -1),
-      redo: [...model.redo, model.wantedTriangles],
-      gesture: -1,
-    };
-  });
+/** Something else than the slider was changed; without a model there is nothing to undo it for. */
+export const chosen = (state: State, choice: Partial<Choices>): State => {
+  const names = Object.keys(choice) as Array<keyof Choices>;
+  if (names.every((name) => JSON.stringify(state[name]) === JSON.stringify(choice[name]))) return state;
+  if (state.model === null) return { ...state, ...choice };
+  return withStep(state, NO_GESTURE, (now, model) => ({ ...now, ...choice, model: { ...model, gesture: NO_GESTURE } }));
+};
 
-export const redone = (state: State): State =>
-  withModel(state, (model) => {
-    const wantedTriangles = model.redo.at(-1);
-    if (wantedTriangles === undefined) return model;
-    return {
-      ...withWish(model, Math.max(wantedTriangles, fewestTriangles(model))),
-      undo: [...model.undo, model.wantedTriangles],
-      redo: model.redo.slice(0, -1),
-      gesture: -1,
-    };
-  });
+/** Goes to `step`, a past or coming one, and leaves `undo` and `redo`. */
+const gone = (state: State, model: Model, step: Step, undo: readonly Step[], redo: readonly Step[]): State => {
+  const { wantedTriangles, ...choices } = step;
+  const same = runKey(choices.run) === runKey(state.run);
+  const wanted = same ? Math.max(wantedTriangles, fewestTriangles(model)) : wantedTriangles;
+  return { ...state, ...choices, model: { ...withWish(model, wanted), undo, redo, gesture: NO_GESTURE } };
+};
+
+export const undone = (state: State): State => {
+  const { model } = state;
+  const step = model?.undo.at(-1);
+  if (model === null || step === undefined) return state;
+  return gone(state, model, step, model.undo.slice(0, -1), [...model.redo, stepOf(state, model)]);
+};
+
+export const redone = (state: State): State => {
+  const { model } = state;
+  const step = model?.redo.at(-1);
+  if (model === null || step === undefined) return state;
+  return gone(state, model, step, [...model.undo, stepOf(state, model)], model.redo.slice(0, -1));
+};
 
 // --- the rest
 
-export const outputFormatChosen = (state: State, outputFormat: OutputFormat): State => ({ ...state, outputFormat });
+export const outputFormatChosen = (state: State, outputFormat: OutputFormat): State => chosen(state, { outputFormat });
 
-export const encodingChosen = (state: State, encoding: Encoding): State => ({ ...state, encoding });
+export const encodingChosen = (state: State, encoding: Encoding): State => chosen(state, { encoding });
 
-export const qualityChosen = (state: State, quality: Quality): State => ({ ...state, quality });
+export const qualityChosen = (state: State, quality: Quality): State => chosen(state, { quality });
+
+export const goalChosen = (state: State, goal: Goal): State => chosen(state, { goal });
+
+export const runChanged = (state: State, change: Partial<RunSettings>): State => chosen(state, { run: { ...state.run, ...change } });
+
+export const lodsChosen = (state: State, lods: readonly number[]): State => chosen(state, { lods });
+
+/** Everything but the slider and the format as it is without touching anything. */
+export const choicesReset = (state: State): State =>
+  chosen(state, { goal: DEFAULT_CHOICES.goal, run: DEFAULT_RUN, lods: [], quality: DEFAULT_CHOICES.quality });
+
+/** Shows `sheet`, or puts the one away that is shown. */
+export const sheetToggled = (state: State, sheet: Sheet | null): State => ({ ...state, sheet: state.sheet === sheet ? null : sheet });
+
+export const helpToggled = (state: State, help = !state.help): State => ({ ...state, help });
+
+export const batchChanged = (state: State, change: (batch: BatchState) => BatchState): State =>
+  state.batch === null ? state : { ...state, batch: change(state.batch) };
 
 /** The page speaks `language` now. */
 export const languageChanged = (state: State, language: Language): State => ({ ...state, language });
@@ -393,24 +494,6 @@ export const progress = (state: State): number | null => {
   if (state.task?.kind === 'opening' || state.task?.kind === 'fitting') return state.task.fraction;
   const history = state.model?.history;
   return history?.kind === 'recording' ? history.fraction : null;
-};
-
-/** The sentence of the live region. Progress is left to the progress bar, or it would be read out at every per cent. */
-export const statusText = (state: State): string => {
-  const { task, model } = state;
-  if (task !== null) return t(`status.${task.kind}`, { name: task.name });
-  if (model === null) return state.remark;
-  if (model.history.kind === 'recording') return t('status.simplifying', { name: model.name });
-  if (model.history.kind === 'ready' && !isSettled(model)) return t('status.going', { count: model.wantedTriangles });
-  if (model.measurement.kind === 'running') return t('status.measuring', { name: model.name });
-  if (state.remark !== '') return state.remark;
-  if (!model.drawn) return t('status.drawing', { name: model.name });
-  if (model.history.kind === 'none') return t('status.open', { name: model.name });
-  const { fewestTriangles, limit } = model.history;
-  const why = limit !== '' && model.wantedTriangles === fewestTriangles ? ` ${t('status.limit', { reason: limit })}` : '';
-  return model.shown.triangles === model.source.triangles
-    ? t('status.ready', { count: model.source.triangles }) + why
-    : t('status.showing', { shown: model.shown.triangles, count: model.source.triangles }) + why;
 };
 
 export const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);

@@ -1,7 +1,7 @@
 // The choice of how good the downloaded level is: three radio buttons that look like one control.
 import { t } from '../../messages/messages.ts';
-import { QUALITIES } from '../../state.ts';
-import type { Quality as QualityName } from '../../state.ts';
+import { QUALITIES } from '../../formats.ts';
+import type { Quality as QualityName } from '../../formats.ts';
 import './quality.css';
 
 interface QualityProps {
