@@ -10,7 +10,7 @@
 import { readFileSync } from 'node:fs';
 import { basename, resolve } from 'node:path';
 import { at } from '../scripts/project.mjs';
-import { dropFiles, startPage } from '../tests/support/browser.mjs';
+import { startPage } from '../tests/support/browser.mjs';
 import { openViewWorker, viewWorkerOf } from '../tests/support/view_worker.mjs';
 
 const BASE = 5;
@@ -34,7 +34,12 @@ const memoryOf = (page) =>
 async function round(page, number) {
   const status = (text) => page.getByRole('status').filter({ hasText: text }).waitFor(WAIT);
   // The status may still be the last round's: the name tells them apart.
-  await dropFiles(page, [{ name: `round-${number}.glb`, bytes }]);
+  // Fetched: what is handed over by the debugging protocol stays in the browser's memory.
+  await page.evaluate(async (name) => {
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([await (await fetch('dropped.glb')).blob()], name));
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, bubbles: true, cancelable: true }));
+  }, `round-${number}.glb`);
   await page.locator('.model-name').filter({ hasText: `round-${number}` }).waitFor(WAIT);
   await status(/^Ready/);
   const slider = page.getByRole('slider', { name: 'Triangles', exact: true });
@@ -59,6 +64,7 @@ try {
   page.setDefaultTimeout(WAIT.timeout);
   page.on('pageerror', (error) => problems.push(String(error)));
   await page.addInitScript(openViewWorker);
+  await page.route('**/dropped.glb', (route) => route.fulfill({ body: bytes }));
   await page.goto(url);
   const worker = await viewWorkerOf(page);
   console.log(`${basename(path)}, ${bytes.length} bytes, ${rounds} rounds`);

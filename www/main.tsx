@@ -8,6 +8,7 @@ import { fileNameOf, filesOfDrop, filesOfInput, modelsOf } from './files.ts';
 import { bindKeys } from './keys.ts';
 import { preferredLanguage, rememberLanguage, t, useLanguage } from './messages/messages.ts';
 import type { Language } from './messages/messages.ts';
+import { whenIdle } from './idle.ts';
 import { keepOffline, onLaunchFiles, takeSharedFiles } from './offline/offline.ts';
 import { bindPointers } from './preview/pointer.ts';
 import { View } from './preview/view.ts';
@@ -142,6 +143,8 @@ bindKeys(canvas, actions, (move) => view.move(move), () => state.peek());
 bindPointers(canvas, (move) => view.move(move));
 bindDrop();
 bindPaste();
+// The engine is loaded while the user looks.
+whenIdle(() => void client.externalFiles(new Uint8Array()).catch(() => {}));
 onLaunchFiles(openFiles);
 if (import.meta.env.PROD) {
   void keepOffline((load) => {

@@ -27,6 +27,9 @@ export interface Store {
 /** Milliseconds without a new wish before the file for it is written to learn its size. */
 const SETTLE_TIME = 250;
 
+/** Milliseconds that the first picture is waited for before the recording starts. */
+const PICTURE_TIME = 3000;
+
 /** Codes after which the worker has no documents any more; opening the files again brings them back. */
 const LOST_CODES: readonly string[] = ['disposed', 'worker-lost', 'internal', 'out-of-memory'];
 
@@ -240,9 +243,12 @@ export class Session {
       // The panel first: with few cores, drawing and simplifying would keep the page from laying it out.
       await afterNextPaint();
       if (this.current !== open) return prepared.discard();
-      void prepared.show().then(() => {
+      const drawn = prepared.show().then(() => {
         if (this.current === open) this.store.update(transitions.modelDrawn);
       });
+      // The picture next: side by side with the recording both would take as long as one after the other.
+      await Promise.race([drawn, new Promise((resolve) => setTimeout(resolve, PICTURE_TIME))]);
+      if (this.current !== open) return;
       if (signal.aborted) this.store.update((state) => transitions.recordingEnded(state, t('status.cancelledRecording')));
       else void this.record(open);
     } catch (error) {

@@ -1,4 +1,5 @@
 // The page's side of working offline: starts the service worker, tells of a new version, and takes shared files over.
+import { whenIdle } from '../idle.ts';
 
 /** Milliseconds between two looks for a new version while the page is open. */
 const LOOK_INTERVAL = 3_600_000;
@@ -59,9 +60,4 @@ export function onLaunchFiles(open: (files: File[]) => void): void {
       if (given.length > 0) open(given);
     });
   });
-}
-
-function whenIdle(act: () => void): void {
-  if ('requestIdleCallback' in globalThis) requestIdleCallback(act, { timeout: 20_000 });
-  else setTimeout(act, 5000);
 }

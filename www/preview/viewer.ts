@@ -1,10 +1,9 @@
 // The 3D view: draws a loaded model at any level of detail, when something changed and not otherwise.
-import { AnimationMixer, Box3, Color, Group, NeutralToneMapping, Scene, Vector3, WebGLRenderer } from 'three';
-import type { BufferGeometry, Material } from 'three';
+import { AnimationMixer, Box3, BufferAttribute, BufferGeometry, Color, Group, Mesh, MeshStandardMaterial, NeutralToneMapping, Scene, Vector3, WebGLRenderer } from 'three';
+import type { Material } from 'three';
 import type { LevelGeometry } from 'decimesh';
 import { OrbitCamera } from './camera.ts';
 import { MorphSetter } from './contents.ts';
-import { roomLight, softShadow } from './environment.ts';
 import { addDeviation, levelGeometries } from './geometry.ts';
 import { LampRig } from './lamp.ts';
 import { lineMaterial } from './lines.ts';
@@ -13,8 +12,10 @@ import type { LoadedModel, Part } from './load.ts';
 import { panesOf } from './panes.ts';
 import type { Pane } from './panes.ts';
 import type { CameraMove, EdgeCounts, Insets, ViewSettings, ViewSize, ViewTheme } from './protocol.ts';
+import { softShadow } from './shadow.ts';
 import { Side } from './side.ts';
 import type { LineMaterials } from './side.ts';
+import { studioLight } from './studio.ts';
 import { Surfaces, makeRoomForLines } from './surfaces.ts';
 
 /** More than two device pixels each way cost four times the work and are not seen on a moving model. */
@@ -63,7 +64,6 @@ export class Viewer {
   private readonly surfaces = new Surfaces();
   private readonly view: OrbitCamera;
   private readonly lamp: LampRig;
-  private light: ReturnType<typeof roomLight>;
   private model: LoadedModel | null = null;
   private mixer: AnimationMixer | null = null;
   private morphs: MorphSetter | null = null;
@@ -89,8 +89,7 @@ export class Viewer {
     // Asking for compile errors waits for the compiler; ours are three's own shaders.
     this.renderer.debug.checkShaderErrors = false;
     this.renderer.toneMapping = NeutralToneMapping;
-    this.light = roomLight(this.renderer);
-    this.scene.environment = this.light.texture;
+    this.scene.environment = studioLight();
     // The room alone lights white surfaces evenly; less of it and a lamp show their form.
     this.scene.environmentIntensity = ROOM_INTENSITY;
     this.view = new OrbitCamera(!reducedMotion);
@@ -99,6 +98,8 @@ export class Viewer {
     this.shadow.visible = false;
     this.scene.add(this.stage, this.shadow);
 
+    this.warmUp();
+
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
       this.contextLost = true;
@@ -106,10 +107,7 @@ export class Viewer {
     });
     canvas.addEventListener('webglcontextrestored', () => {
       this.contextLost = false;
-      // Buffers and pictures are uploaded again from memory; what was drawn on the card is gone.
-      this.light.dispose();
-      this.light = roomLight(this.renderer);
-      this.scene.environment = this.light.texture;
+      // Buffers and pictures are uploaded again from memory.
       events.onContextRestored();
       this.invalidate();
     });
@@ -144,7 +142,12 @@ export class Viewer {
   /** Draws what there is and resolves when the graphics card has done so, or has lost everything. */
   async drawn(): Promise<void> {
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
-    this.draw();
+    // The frame that was asked for anyway, now: a large model is not to be drawn twice.
+    if (this.frameRequest === 0) this.draw();
+    else {
+      cancelAnimationFrame(this.frameRequest);
+      this.onFrame(performance.now());
+    }
     const fence = this.contextLost ? null : gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     if (fence === null) return;
     gl.flush();
@@ -289,6 +292,19 @@ export class Viewer {
     this.result = null;
     this.levelParts = { geometries: [], wedgeSets: [] };
     this.model = null;
+  }
+
+  /** Has the shader of plain surfaces compiled while nobody waits: that takes longer than drawing. */
+  private warmUp(): void {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(new Float32Array(9), 3));
+    geometry.setAttribute('normal', new BufferAttribute(new Float32Array(9), 3));
+    const mesh = new Mesh(geometry, this.surfaces.materialFor('shaded', new MeshStandardMaterial(), geometry));
+    mesh.frustumCulled = false;
+    this.scene.add(mesh);
+    this.renderer.render(this.scene, this.view.camera);
+    this.scene.remove(mesh);
+    geometry.dispose();
   }
 
   private invalidate(): void {
