@@ -135,6 +135,33 @@ describe.each([['light', 1280], ['dark', 360]] as const)('%s at %i pixels', (col
   });
 });
 
+describe('every language', () => {
+  it.each(['en', 'de', 'es', 'it', 'ja', 'zh'])('%s fits the panel, the sheets and the start page', async (locale) => {
+    ({ page, problems, status } = await openPanelPage(served.browser, served.url, { locale, viewport: { width: 1280, height: 800 } }));
+    const tooWide = (): Promise<string[]> =>
+      page.evaluate(() =>
+        [...document.querySelectorAll('.landing-zone, .model-panel, .panel-foot, .download, .lod-head, .lod-marks, .sheet-body, .top-actions')]
+          .filter((box) => box.scrollWidth > box.clientWidth + 1 || box.getBoundingClientRect().right > innerWidth)
+          .map(({ className }) => `${className} at ${innerWidth}`),
+      );
+    await page.locator(`html[lang=${locale}]`).waitFor();
+    await dropFiles(page, [helmet]);
+    await page.locator('.lod-marks button').first().waitFor();
+    const found: string[] = [];
+    for (const width of [1280, 1050, 768, 360]) {
+      await page.setViewportSize({ width, height: 800 });
+      found.push(...(await tooWide()));
+      for (const sheet of ['o', 'i']) {
+        await page.keyboard.press(sheet);
+        await page.getByRole('dialog').waitFor();
+        found.push(...(await tooWide()));
+        await page.keyboard.press(sheet);
+      }
+    }
+    expect(found).toEqual([]);
+  });
+});
+
 describe('pictures to look at', () => {
   const directory = at('.setup', 'screenshots');
   const sizes = [[360, 740], [768, 1024], [1440, 900]] as const;

@@ -90,7 +90,7 @@ describe('limits', () => {
     expect((await download()).bytes.length).toBeLessThanOrEqual(1.4e6);
     await field.fill('0.1');
     await field.press('Enter');
-    await status(/^The smallest level there is takes/);
+    await status(/The smallest level there is takes/);
   });
 });
 

@@ -1,11 +1,11 @@
 // The conversation with the worker: opens files, records the history, and keeps what is shown in step with what is
 // wanted. Only the latest wish counts: one request is under way, and what was asked for meanwhile is read when it ends.
-import type { DocumentProxy, DocumentSimplifyOptions, DocumentSummary, LevelGeometry, Report, WorkerClient } from 'decimesh/worker';
+import type { DocumentProxy, Report, WorkerClient } from 'decimesh/worker';
 import { isChain, runKey } from './choices.ts';
-import type { Choices, Goal, RunSettings } from './choices.ts';
+import type { Goal } from './choices.ts';
 import { describeError } from './describe_error.ts';
 import { baseName, modelFile, relativeToModel } from './files.ts';
-import { formatBytes, formatShare } from './format.ts';
+import { formatShare } from './format.ts';
 import { encodingFor, writeOptions } from './encoding.ts';
 import { blobOf, save } from './formats.ts';
 import type { Quality } from './formats.ts';
@@ -16,6 +16,7 @@ import { fetchModel } from './remote.ts';
 import { readScene } from './scene.ts';
 import * as transitions from './state.ts';
 import type { Model, Origin, State } from './state.ts';
+import { countMeshes, fitFor, fitOfFile, goalKey, simplifyOptions, wishKey } from './wishes.ts';
 
 /** Where the session reads and changes the page's state. */
 export interface Store {
@@ -398,12 +399,12 @@ export class Session {
     open.reached = key;
     if (now.goal.kind === 'triangles') return false;
     try {
-      const { triangles, remark } = await this.findGoal(open, now, now.goal);
+      const triangles = await this.findGoal(open, now, now.goal);
       if (this.current !== open || goalKey(this.store.value) !== key) return true;
       // Looking for it has selected other levels.
       if (open.fitted !== null) this.store.update(transitions.levelStale);
       open.fitted = null;
-      this.store.update((state) => transitions.goalReached(state, triangles, remark));
+      this.store.update((state) => transitions.goalReached(state, triangles));
     } catch (error) {
       open.reached = null;
       throw error;
@@ -411,14 +412,10 @@ export class Session {
     return true;
   }
 
-  private async findGoal(open: OpenDocument, now: State, goal: Exclude<Goal, { kind: 'triangles' }>): Promise<{ triangles: number; remark: string }> {
-    if (goal.kind === 'error') {
-      const { triangles } = await open.document.level({ error: `${goal.percent}%` });
-      return { triangles, remark: '' };
-    }
+  private async findGoal(open: OpenDocument, now: State, goal: Exclude<Goal, { kind: 'triangles' }>): Promise<number> {
+    if (goal.kind === 'error') return (await open.document.level({ error: `${goal.percent}%` })).triangles;
     const { report } = await open.document.write({ ...writeOptions(now.outputFormat, encodingFor(now.outputFormat, now.encoding)), size: goal.bytes });
-    const missed = report.warnings.some(({ code }) => code === 'size-not-reached');
-    return { triangles: report.output.triangles, remark: missed ? t('goal.tooSmall', { size: formatBytes(report.output.bytes) }) : '' };
+    return report.output.triangles;
   }
 
   /** Sees to it that the document stands at the level that is wanted. */
@@ -504,52 +501,6 @@ export class Session {
 }
 
 const superseded = (): DOMException => new DOMException('Superseded.', 'AbortError');
-
-/** What a file depends on. */
-const wishKey = (state: State, model: Model, fit: Quality): string =>
-  [
-    model.wantedTriangles,
-    state.outputFormat,
-    encodingFor(state.outputFormat, state.encoding),
-    fit,
-    isChain(state) ? state.lods.join() : '',
-    runKey(state.run),
-  ].join(' ');
-
-/** What the count that a goal stands for depends on. */
-const goalKey = ({ goal, run, outputFormat, encoding }: Choices): string =>
-  [JSON.stringify(goal), runKey(run), goal.kind === 'size' ? outputFormat + encodingFor(outputFormat, encoding) : ''].join(' ');
-
-/** The quality as it counts: of a chain, and within a size, the levels are those of the record. */
-const fitFor = (state: State): Quality => (isChain(state) || state.goal.kind === 'size' ? 'fast' : state.quality);
-
-/** What a file is to be fitted with: at full detail there is nothing to fit, and `fast` takes what is shown. */
-const fitOfFile = (state: State, model: Model, fitted: Quality | null): Quality => {
-  if (model.wantedTriangles === model.source.triangles || isChain(state)) return 'fast';
-  const quality = fitFor(state);
-  return quality === 'fast' ? (fitted ?? 'fast') : quality;
-};
-
-/** The settings as the package takes them. */
-export function simplifyOptions({ lockBorder, prune, weights, kept }: RunSettings, { groups, wedgeSets }: DocumentSummary): DocumentSimplifyOptions {
-  const options = { lockBorder, prune, attributeWeights: weights };
-  if (kept.length === 0) return options;
-  const sets = new Set(groups.filter(({ mesh }) => kept.includes(mesh)).map(({ wedgeSet }) => wedgeSet));
-  const locked = new Uint8Array(wedgeSets.reduce((sum, { vertices }) => sum + vertices, 0));
-  let start = 0;
-  for (const [set, { vertices }] of wedgeSets.entries()) {
-    if (sets.has(set)) locked.fill(1, start, start + vertices);
-    start += vertices;
-  }
-  return { ...options, locked };
-}
-
-/** How many triangles of each mesh there are. */
-function countMeshes({ groups }: LevelGeometry): Map<number, number> {
-  const counts = new Map<number, number>();
-  for (const { mesh, indices } of groups) counts.set(mesh, (counts.get(mesh) ?? 0) + indices.length / 3);
-  return counts;
-}
 
 /** Resolves when the page has been painted with what it knows now, and soon where nothing is painted. */
 const afterNextPaint = (): Promise<void> =>

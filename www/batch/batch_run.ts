@@ -1,7 +1,7 @@
 // Works through a queue of models, one document open at a time; the results wait as blobs, which browsers keep on disk.
 import type { WorkerClient } from 'decimesh/worker';
 import { describeError } from '../describe_error.ts';
-import { simplifyOptions } from '../session.ts';
+import { simplifyOptions } from '../wishes.ts';
 import { blobOf, isOutputFormat } from '../formats.ts';
 import type { Quality } from '../formats.ts';
 import type { RunSettings } from '../choices.ts';

@@ -1,7 +1,7 @@
 // What came of it, at length: what was saved, where the bytes are, why there are no fewer triangles, remarks on the file.
 import type { Parts } from 'decimesh/worker';
 import { reasonText, reasonsOf } from '../../blockers.ts';
-import { formatBytes, formatCount, formatDownloadTime, formatShare } from '../../format.ts';
+import { formatBytes, formatCount, formatDownloadTime, formatLength, formatShare } from '../../format.ts';
 import { t } from '../../messages/messages.ts';
 import { warningText } from '../../notices.ts';
 import type { Model } from '../../state.ts';
@@ -27,7 +27,7 @@ export function Details({ model, outputCurrent }: { readonly model: Model; reado
         />
         <Fact name={t('results.triangles')} value={t('details.ofAll', { after: shown.triangles, before: source.triangles })} />
         <Fact name={t('results.vertices')} value={t('details.ofAll', { after: shown.vertices, before: source.vertices })} />
-        <Fact name={t('results.estimated')} value={share(shown.estimatedError)} />
+        <Fact name={t('results.estimated')} value={`${share(shown.estimatedError)} (${t('results.units', { length: formatLength(shown.estimatedError) })})`} />
         <Fact name={t('results.measured')} value={measurement.kind === 'done' ? `${share(measurement.deviation.max)} ${t('results.atMost')}` : t('details.notMeasured')} />
       </dl>
 

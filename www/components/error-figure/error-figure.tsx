@@ -1,5 +1,5 @@
 // How far the level is from the original: the estimate that every level has, and the button that has it measured.
-import { formatLength, formatShare } from '../../format.ts';
+import { formatShare } from '../../format.ts';
 import { t } from '../../messages/messages.ts';
 import { canMeasure } from '../../state.ts';
 import type { Model } from '../../state.ts';
@@ -42,7 +42,7 @@ export function ErrorFigure({ model, pending, onMeasure, onCancel }: ErrorFigure
       <dd>
         <span class="after">{share(shown.estimatedError)}</span>
         <span class="before">
-          {measurement.kind === 'running' ? <Bar fraction={measurement.fraction} /> : <span class="units">{t('results.units', { length: formatLength(shown.estimatedError) })}</span>}
+          {measurement.kind === 'running' ? <Bar fraction={measurement.fraction} /> : null}
           <Action running={measurement.kind === 'running'} possible={canMeasure(model)} onMeasure={onMeasure} onCancel={onCancel} />
         </span>
       </dd>

@@ -105,6 +105,7 @@ export function LodSlider({ value, fewest, all, pending, onChange, children }: L
         {MARKS.filter((share) => all * share >= Math.max(fewest, 3) || share === 1).map((share) => (
           <Mark key={share} text={formatShare(share)} name={t('slider.keep', { share: formatShare(share) })} count={Math.round(all * share)} value={value} onChoose={choose} />
         ))}
+        <span class="lod-marks-gap" />
         {BUDGETS.filter((count) => count < all && count >= fewest).map((count) => (
           <Mark key={count} text={`${count / 1000}k`} name={t('slider.budget', { count })} count={count} value={value} onChoose={choose} />
         ))}

@@ -6,6 +6,7 @@ import { formatBytes } from '../../format.ts';
 import { t } from '../../messages/messages.ts';
 import { choicesOf } from '../../state.ts';
 import type { Model, State } from '../../state.ts';
+import { missedSize } from '../../status.ts';
 import { NumberField } from '../number-field/number-field.tsx';
 import { Levels } from './levels.tsx';
 import { RecipeButtons } from './recipe-buttons.tsx';
@@ -60,6 +61,7 @@ export function Options({ state, model, actions }: OptionsProps) {
           high={1e5}
           onCommit={(size) => actions.chooseGoal(size === null ? { kind: 'triangles' } : { kind: 'size', bytes: Math.round(size * MEGABYTE) })}
         />
+        {missedSize(state) !== '' && <p class="warning">{missedSize(state)}</p>}
       </Fold>
       <Fold title={t('options.simplifying')} value={run.lockBorder || run.prune || weighed ? t('options.changed') : ''} open>
         <Check label={t('options.lockBorder')} hint={t('options.lockBorder.hint')} checked={run.lockBorder} onChange={(lockBorder) => actions.changeRun({ lockBorder })} />
