@@ -70,6 +70,10 @@ function notePictures() {
         if (data.type === 'drawn') globalThis.pictures.push(performance.now());
       });
     }
+    postMessage(message, ...rest) {
+      if (message?.type === 'level') globalThis.levelSent = performance.now();
+      super.postMessage(message, ...rest);
+    }
   };
   addEventListener('drop', () => { globalThis.dropped = performance.now(); }, true);
 }
@@ -100,7 +104,7 @@ async function levelTimes(page) {
       input.dispatchEvent(new Event('input', { bubbles: true }));
       input.dispatchEvent(new Event('change', { bubbles: true }));
       while (globalThis.pictures.length === before) await new Promise((done) => setTimeout(done, 1));
-      return globalThis.pictures[before] - start;
+      return { whole: globalThis.pictures[before] - start, sent: globalThis.levelSent - start };
     }, wanted));
     // Longer than the pause after which the size is found, which is nobody's wait.
     await page.waitForTimeout(1500);
@@ -137,8 +141,10 @@ try {
   const share = median(ours) / median(alone);
   console.log(`three.js alone   ${figures(alone)}`);
   console.log(`the page         ${figures(ours)}   ${share.toFixed(2)} times three.js, at most ${FIRST_LIMIT}`);
-  console.log(`a level          ${figures(levels)}   at most ${LEVEL_LIMIT}`);
-  if (share > FIRST_LIMIT || median(levels) > LEVEL_LIMIT) process.exitCode = 1;
+  const whole = levels.map((level) => level.whole);
+  console.log(`a level          ${figures(whole)}   at most ${LEVEL_LIMIT}`);
+  console.log(`  until sent     ${figures(levels.map((level) => level.sent))}   the rest is upload and drawing`);
+  if (share > FIRST_LIMIT || median(levels.map((level) => level.whole)) > LEVEL_LIMIT) process.exitCode = 1;
 } finally {
   await close();
 }

@@ -20,6 +20,8 @@ export interface LoadedModel {
   readonly parts: Map<string, Part[]>;
   /** Bounds of the whole in its rest pose, in model units. */
   readonly bounds: Box3;
+  /** Whether no part has a material in the file. */
+  readonly unpainted: boolean;
 }
 
 export const partKey = (mesh: number, primitive: number): string => `${mesh}/${primitive}`;
@@ -59,10 +61,12 @@ export async function loadModel(bytes: Uint8Array): Promise<LoadedModel> {
     list.push({ mesh: object, original: object.geometry, material: object.material as Material | Material[] });
     parts.set(key, list);
   });
-  return { root, animations: gltf.animations, parts, bounds: sceneBounds(root) };
+  const unpainted = [...parts.values()].flat().every(({ mesh }) => mesh.userData[UNPAINTED] === true);
+  return { root, animations: gltf.animations, parts, bounds: sceneBounds(root), unpainted };
 }
 
 const MARK = 'decimeshPrimitive';
+const UNPAINTED = 'decimeshUnpainted';
 
 function markPrimitives<T extends Object3D>(object: T, mesh: number, parser: GLTFParser): T {
   const definition = (parser.json as { meshes: Array<{ primitives: Array<{ material?: number }> }> }).meshes[mesh];
@@ -70,6 +74,7 @@ function markPrimitives<T extends Object3D>(object: T, mesh: number, parser: GLT
   drawn.forEach((child, primitive) => {
     child.userData[MARK] = partKey(mesh, primitive);
     const unpainted = definition?.primitives[primitive]?.material === undefined;
+    child.userData[UNPAINTED] = unpainted;
     if (unpainted && child instanceof Mesh && child.material instanceof MeshStandardMaterial) {
       child.material.metalness = 0;
       child.material.roughness = 0.62;

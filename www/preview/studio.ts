@@ -2,13 +2,16 @@
 //
 // A map that is drawn and filtered by the graphics card costs seconds without one, and a second on a telephone, before
 // the first picture. Lobes that are Gaussian on the sphere need no filtering: a blurred one is a wider one.
-import { CubeTexture, DataTexture, DataUtils, HalfFloatType, LinearFilter, LinearMipmapLinearFilter, RGBAFormat } from 'three';
+import { CubeTexture, DataTexture, DataUtils, HalfFloatType, LightProbe, LinearFilter, LinearMipmapLinearFilter, RGBAFormat, SphericalHarmonics3, Vector3 } from 'three';
 import type { Texture } from 'three';
 
 /** Side of a face at the sharpest level, in pixels; halved at each of the next. */
 const SIZE = 64;
 /** Levels that are used, from a mirror to the roughest. */
 const LEVELS = 4;
+
+/** Directions in which the light is looked at for the probe. */
+const PROBE_SAMPLES = 4096;
 
 /** A soft box: where it is seen from the model, its light (radiance times solid angle) and how narrow it is. */
 interface Box {
@@ -51,6 +54,27 @@ export function studioLight(): Texture {
   texture.isPMREMTexture = true;
   texture.needsUpdate = true;
   return texture;
+}
+
+/**
+ * The same light for surfaces that are matt, by nine numbers: without a graphics card a picture with it takes a third
+ * of the time. Nothing is mirrored in it.
+ */
+export function studioProbe(): LightProbe {
+  const harmonics = new SphericalHarmonics3();
+  const radiance = radianceAt(0);
+  const direction = new Vector3();
+  const basis: number[] = Array.from({ length: 9 }, () => 0);
+  for (let sample = 0; sample < PROBE_SAMPLES; sample += 1) {
+    // Evenly spread over the sphere on a spiral of the golden angle.
+    const y = 1 - (2 * sample + 1) / PROBE_SAMPLES;
+    const around = sample * Math.PI * (3 - Math.sqrt(5));
+    direction.set(Math.cos(around) * Math.sqrt(1 - y * y), y, Math.sin(around) * Math.sqrt(1 - y * y));
+    SphericalHarmonics3.getBasisAt(direction, basis);
+    const weight = (radiance(direction.x, direction.y, direction.z) * 4 * Math.PI) / PROBE_SAMPLES;
+    harmonics.coefficients.forEach((coefficient, index) => coefficient.addScalar(weight * (basis[index] ?? 0)));
+  }
+  return new LightProbe(harmonics);
 }
 
 function drawFace(face: number, size: number, roughness: number): DataTexture {

@@ -15,7 +15,7 @@ import type { CameraMove, EdgeCounts, Insets, ViewSettings, ViewSize, ViewTheme 
 import { softShadow } from './shadow.ts';
 import { Side } from './side.ts';
 import type { LineMaterials } from './side.ts';
-import { studioLight } from './studio.ts';
+import { studioLight, studioProbe } from './studio.ts';
 import { Surfaces, makeRoomForLines } from './surfaces.ts';
 
 /** More than two device pixels each way cost four times the work and are not seen on a moving model. */
@@ -62,6 +62,9 @@ export class Viewer {
     edges: { border: lineMaterial(), seam: lineMaterial(), nonManifold: lineMaterial() },
   };
   private readonly surfaces = new Surfaces();
+  /** The room around the model: for materials that may mirror it, and for matt ones alone. */
+  private readonly room = studioLight();
+  private readonly mattRoom = studioProbe();
   private readonly view: OrbitCamera;
   private readonly lamp: LampRig;
   private model: LoadedModel | null = null;
@@ -89,16 +92,13 @@ export class Viewer {
     // Asking for compile errors waits for the compiler; ours are three's own shaders.
     this.renderer.debug.checkShaderErrors = false;
     this.renderer.toneMapping = NeutralToneMapping;
-    this.scene.environment = studioLight();
-    // The room alone lights white surfaces evenly; less of it and a lamp show their form.
-    this.scene.environmentIntensity = ROOM_INTENSITY;
     this.view = new OrbitCamera(!reducedMotion);
     this.lamp = new LampRig(this.scene, this.view.camera);
     this.scene.add(this.view.camera);
-    this.shadow.visible = false;
+    this.light();
     this.scene.add(this.stage, this.shadow);
-
     this.warmUp();
+    this.shadow.visible = false;
 
     canvas.addEventListener('webglcontextlost', (event) => {
       event.preventDefault();
@@ -135,6 +135,7 @@ export class Viewer {
     this.morphs = new MorphSetter(model);
     this.playAnimation();
     this.paint();
+    this.light();
     this.tellEdges();
     this.invalidate();
   }
@@ -195,7 +196,7 @@ export class Viewer {
     if (before.animation !== settings.animation) this.playAnimation();
     this.morphs?.change(before.morphs, settings.morphs);
     this.lamp.set(settings.lamp);
-    this.scene.environmentIntensity = settings.lamp === 'view' ? ROOM_INTENSITY : ROOM_INTENSITY / 3;
+    this.light();
     this.original?.trim(settings);
     this.result?.trim(settings);
     this.tellEdges();
@@ -250,6 +251,19 @@ export class Viewer {
     this.morphs?.apply(this.settings.morphs);
   }
 
+  /** Lights the room as the surfaces need it; beside a lamp of its own it is darker. */
+  private light(): void {
+    // The room alone lights white surfaces evenly; less of it and a lamp show their form.
+    const intensity = this.settings.lamp === 'view' ? ROOM_INTENSITY : ROOM_INTENSITY / 3;
+    const matt = this.settings.surface !== 'textured' || this.model === null || this.model.unpainted;
+    this.scene.environment = matt ? null : this.room;
+    this.scene.environmentIntensity = intensity;
+    if (matt) this.scene.add(this.mattRoom);
+    else this.scene.remove(this.mattRoom);
+    // A little less: what it lacks in reflections would else be made up for by glare.
+    this.mattRoom.intensity = 0.8 * intensity;
+  }
+
   /** Gives every part the material of the surface that is wanted. */
   private paint(): void {
     for (const part of [...(this.model?.parts.values() ?? [])].flat()) this.paintPart(part);
@@ -294,17 +308,18 @@ export class Viewer {
     this.model = null;
   }
 
-  /** Has the shader of plain surfaces compiled while nobody waits: that takes longer than drawing. */
+  /** Has the shaders of plain surfaces, smooth and flat, compiled while nobody waits: that can take as long as drawing. */
   private warmUp(): void {
-    const geometry = new BufferGeometry();
-    geometry.setAttribute('position', new BufferAttribute(new Float32Array(9), 3));
-    geometry.setAttribute('normal', new BufferAttribute(new Float32Array(9), 3));
-    const mesh = new Mesh(geometry, this.surfaces.materialFor('shaded', new MeshStandardMaterial(), geometry));
-    mesh.frustumCulled = false;
-    this.scene.add(mesh);
-    this.renderer.render(this.scene, this.view.camera);
-    this.scene.remove(mesh);
-    geometry.dispose();
+    for (const attributes of [['position', 'normal'], ['position']]) {
+      const geometry = new BufferGeometry();
+      for (const name of attributes) geometry.setAttribute(name, new BufferAttribute(new Float32Array(9), 3));
+      const mesh = new Mesh(geometry, this.surfaces.materialFor('shaded', new MeshStandardMaterial(), geometry));
+      mesh.frustumCulled = false;
+      this.scene.add(mesh);
+      this.renderer.render(this.scene, this.view.camera);
+      this.scene.remove(mesh);
+      geometry.dispose();
+    }
   }
 
   private invalidate(): void {
