@@ -114,7 +114,7 @@ describe('options', () => {
     await status(/^Ready\. (Showing|3)/);
     // What is locked is still there: a border of 4 × 420 edges.
     expect(Number(await slider().getAttribute('min'))).toBeGreaterThan(1500);
-  });
+  }, 150_000);
 
   it('record again with what was changed, which undo takes back', async () => {
     await openWithOptions();

@@ -1,6 +1,6 @@
 // What stands beside the model, or over it on a telephone: a titled panel that takes the focus and gives it back.
 import type { ComponentChildren } from 'preact';
-import { useEffect, useRef } from 'preact/hooks';
+import { useLayoutEffect, useRef } from 'preact/hooks';
 import { t } from '../../messages/messages.ts';
 import { Icon } from '../icon/icon.tsx';
 import './sheet.css';
@@ -15,7 +15,8 @@ interface SheetProps {
 
 export function Sheet({ title, bottom, onClose, children }: SheetProps) {
   const heading = useRef<HTMLHeadingElement>(null);
-  useEffect(() => {
+  // Before anything is painted: a key that follows at once is the sheet's already.
+  useLayoutEffect(() => {
     const before = document.activeElement;
     heading.current?.focus({ preventScroll: true });
     return () => {
