@@ -20,6 +20,8 @@ const KEYS: ReadonlyArray<readonly [keys: readonly string[], meaning: PlainKey]>
   [['F'], 'view.fit'],
   [['W'], 'view.wireframe'],
   [['C'], 'view.compare'],
+  [['S'], 'seeing.handle'],
+  [['E'], 'seeing.edges'],
   [['Esc'], 'help.cancel'],
   [['?'], 'help.open'],
 ];
