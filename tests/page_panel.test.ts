@@ -4,6 +4,7 @@ import type { BrowserContextOptions, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
 import { at } from '../scripts/project.mjs';
 import { dropFiles, startPage } from './support/browser.mjs';
+import { hills, plyOf } from './support/meshes.ts';
 import { LONG, openPanelPage, type PanelPage } from './support/panel_page.ts';
 import { gltfErrors } from './support/validate.ts';
 
@@ -95,7 +96,27 @@ describe('limits', () => {
 });
 
 describe('options', () => {
-  it('record again with what was changed, which undo takes back and Escape stops', async () => {
+  it('record again with progress, until Escape, and again with the next wish', async () => {
+    await openPage();
+    await dropFiles(page, [{ name: 'plate.ply', bytes: plyOf(hills(420)) }]);
+    await ready();
+    await slider().fill('2000');
+    await status(/^Ready\. Showing/);
+    await page.keyboard.press('o');
+    await page.getByRole('checkbox', { name: /^Lock open borders/ }).check();
+    await status(/^Simplifying/);
+    await page.getByRole('progressbar').waitFor();
+    // The options stay: Escape stops what is under way first.
+    await page.keyboard.press('Escape');
+    await status(/^Cancelled/);
+    expect(await options().count()).toBe(1);
+    await slider().fill('1900');
+    await status(/^Ready\. (Showing|3)/);
+    // What is locked is still there: a border of 4 × 420 edges.
+    expect(Number(await slider().getAttribute('min'))).toBeGreaterThan(1500);
+  });
+
+  it('record again with what was changed, which undo takes back', async () => {
     await openWithOptions();
     await slider().fill('4000');
     await status(/^Ready\. Showing/);

@@ -47,6 +47,8 @@ interface OpenDocument {
   recording: AbortController | null;
   /** What the record of levels was or is being made with. */
   recorded: string | null;
+  /** Whether what is shown and written is of another run than the one that is or was being recorded. */
+  stale: boolean;
   /** The goal that the slider was set for last, with all it depends on. */
   reached: string | null;
   measuring: AbortController | null;
@@ -226,7 +228,7 @@ export class Session {
       for (const controller of [this.current?.measuring, this.current?.recording]) controller?.abort(superseded());
       this.current?.document.dispose();
       const { summary } = document;
-      const open: OpenDocument = { document, files, recording: null, recorded: null, reached: null, measuring: null, fitting: null, fitted: null, written: null, failedKey: null, reopened: false };
+      const open: OpenDocument = { document, files, recording: null, recorded: null, stale: false, reached: null, measuring: null, fitting: null, fitted: null, written: null, failedKey: null, reopened: false };
       this.current = open;
       this.store.update((state) =>
         transitions.modelOpened(state, {
@@ -263,6 +265,7 @@ export class Session {
   private async record(open: OpenDocument, again = false): Promise<void> {
     if (open.recording !== null && !again) return;
     open.recording?.abort(superseded());
+    open.stale ||= again;
     const recording = new AbortController();
     open.recording = recording;
     const { run } = this.store.value;
@@ -283,7 +286,8 @@ export class Session {
       });
       const fewest = await open.document.level({ triangles: 1 });
       recording.signal.throwIfAborted();
-      if (again) {
+      if (open.stale) {
+        open.stale = false;
         [open.written, open.failedKey, open.fitted] = [null, null, null];
         update(transitions.historyReplaced);
       }

@@ -19,6 +19,8 @@ const KEYS: ReadonlyArray<readonly [keys: readonly string[], meaning: PlainKey]>
   [['+', '−'], 'help.zoom'],
   [['F'], 'view.fit'],
   [['W'], 'view.wireframe'],
+  [['S'], 'seeing.handle'],
+  [['E'], 'seeing.edges'],
   [['C'], 'view.compare'],
   [['S'], 'seeing.handle'],
   [['E'], 'seeing.edges'],
