@@ -4,7 +4,7 @@
 //
 // Without a model the bundled desk fan, with its textures, skins and animations; opening it closes the one before. After
 // each round the memory of the page and all of its workers is asked for (JavaScript and WebAssembly, after a garbage
-// collection), and the buffers and textures that are alive on the graphics card are counted where they are made. The
+// collection), and what is alive on the graphics card is counted where they are made. The
 // exit code is 1 when any of them is more than a tenth above that of round 5 at the end.
 
 import { readFileSync } from 'node:fs';
@@ -77,7 +77,7 @@ try {
     last = { memory: total, ...card };
     if (number === BASE) base = last;
     if (number <= BASE || number % 5 === 0) {
-      console.log(`round ${String(number).padStart(2)}: ${(total / 1e6).toFixed(1).padStart(6)} MB memory   ${String(card.buffers).padStart(4)} buffers   ${(card.bufferBytes / 1e6).toFixed(2).padStart(6)} MB in them   ${String(card.textures).padStart(3)} textures`);
+      console.log(`round ${String(number).padStart(2)}: ${(total / 1e6).toFixed(1).padStart(6)} MB memory   ${String(card.buffers).padStart(4)} buffers   ${(card.bufferBytes / 1e6).toFixed(2).padStart(6)} MB in them   ${String(card.textures).padStart(3)} textures   ${card.programs} programs   ${card.vertexArrays} vertex arrays`);
     }
     if (process.env.PARTS !== undefined && number % 5 === 0) for (const part of parts) console.log('   ', ...part);
   }

@@ -1,5 +1,7 @@
 // Seeing, as people do it: comparing, surfaces, lines, light, morph targets; and what happens to the canvas meanwhile.
 import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import type { AxeResults } from 'axe-core';
 import type { BrowserContextOptions, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
 import { readFirstPrimitive, subdivide, writeGlb } from '../benches/support/subdivide.mjs';
@@ -298,6 +300,51 @@ describe('light and motion', () => {
     await page.getByRole('group', { name: 'Morph targets' }).getByRole('button', { name: 'As in the file' }).click();
     await pictureBecomes((now) => now.equals(rest) && !now.equals(moved));
     expect(await targets.first().inputValue()).toBe('0');
+  });
+});
+
+describe('for everyone', () => {
+  const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+  const violations = async (): Promise<string[]> => {
+    await page.evaluate(AXE);
+    const { violations: found } = await page.evaluate(() => (globalThis as unknown as { axe: { run(): Promise<AxeResults> } }).axe.run());
+    return found.flatMap(({ id, nodes }) => nodes.map(({ html }) => `${id}: ${html.slice(0, 160)}`));
+  };
+
+  it.each(['light', 'dark'] as const)('has nothing that axe-core objects to while comparing, with every option open, in the %s', async (colorScheme) => {
+    await openPage({ colorScheme });
+    await openAt(morphing);
+    await page.keyboard.press('s');
+    await page.keyboard.press('e');
+    await options().click();
+    await page.getByRole('region', { name: 'Legend' }).waitFor();
+    expect(await violations()).toEqual([]);
+    await choice('Normals as colours').check();
+    await choice('Side by side').check();
+    expect(await violations()).toEqual([]);
+  });
+
+  it.each([360, 768, 1440])('covers nothing and scrolls nowhere sideways at %i pixels', async (width) => {
+    await openPage({ viewport: { width, height: width === 360 ? 740 : 900 } });
+    await openAt(fan);
+    await page.keyboard.press('s');
+    await page.keyboard.press('e');
+    await page.getByRole('region', { name: 'Legend' }).waitFor();
+    await options().click();
+    expect(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)).toBe(false);
+    // What can be pressed is not below something else.
+    const hidden = await page.evaluate(() =>
+      [...document.querySelectorAll<HTMLElement>('.toolbar button, .view-options input:enabled, .handle')]
+        .filter((element) => element.checkVisibility())
+        .filter((element) => {
+          element.scrollIntoView({ block: 'nearest' });
+          const { left, top, width: across, height } = (element.querySelector('.grip') ?? element).getBoundingClientRect();
+          const there = document.elementFromPoint(left + across / 2, top + height / 2);
+          const label = element.closest('label');
+          return there === null || !(element.contains(there) || label?.contains(there) === true || element.matches('.handle') && there.closest('.view-options') !== null);
+        })
+        .map((element) => element.getAttribute('aria-label') ?? element.outerHTML.slice(0, 80)));
+    expect(hidden).toEqual([]);
   });
 });
 

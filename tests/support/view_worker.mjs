@@ -2,12 +2,12 @@
 
 /**
  * To be given to `page.addInitScript` before the page is opened. In the worker called `decimesh view` the globals
- * `viewContext` (its WebGL context) and `liveObjects()` (numbers and bytes of buffers and textures that are alive) are
+ * `viewContext` (its WebGL context) and `liveObjects()` (how many buffers with how many bytes, textures, programs and vertex arrays are alive) are
  * there from then on. The worker runs the same program; requests wait until it is there.
  */
 export function openViewWorker() {
   const prelude = `
-    const alive = { buffers: new Map(), textures: new Map() };
+    const alive = { buffers: new Map(), textures: new Map(), programs: new Set(), vertexArrays: new Set() };
     const prototype = WebGL2RenderingContext.prototype;
     const wrap = (name, act) => {
       const call = prototype[name];
@@ -22,6 +22,10 @@ export function openViewWorker() {
     wrap('deleteBuffer', (_gl, _none, buffer) => alive.buffers.delete(buffer));
     wrap('createTexture', (_gl, texture) => alive.textures.set(texture, 0));
     wrap('deleteTexture', (_gl, _none, texture) => alive.textures.delete(texture));
+    wrap('createProgram', (_gl, program) => alive.programs.add(program));
+    wrap('deleteProgram', (_gl, _none, program) => alive.programs.delete(program));
+    wrap('createVertexArray', (_gl, array) => alive.vertexArrays.add(array));
+    wrap('deleteVertexArray', (_gl, _none, array) => alive.vertexArrays.delete(array));
     wrap('bindBuffer', (_gl, _none, target, buffer) => bound.set(target, buffer));
     wrap('bufferData', (_gl, _none, target, data) => {
       const buffer = bound.get(target);
@@ -37,7 +41,7 @@ export function openViewWorker() {
     };
     self.liveObjects = () => {
       const sum = (map) => [...map.values()].reduce((total, bytes) => total + bytes, 0);
-      return { buffers: alive.buffers.size, bufferBytes: sum(alive.buffers), textures: alive.textures.size };
+      return { buffers: alive.buffers.size, bufferBytes: sum(alive.buffers), textures: alive.textures.size, programs: alive.programs.size, vertexArrays: alive.vertexArrays.size };
     };
     const early = [];
     const keep = (event) => { early.push(event.data); event.stopImmediatePropagation(); };

@@ -22,6 +22,8 @@ const KEYS: ReadonlyArray<readonly [keys: readonly string[], meaning: PlainKey]>
   [['S'], 'seeing.handle'],
   [['E'], 'seeing.edges'],
   [['C'], 'view.compare'],
+  [['S'], 'seeing.handle'],
+  [['E'], 'seeing.edges'],
   [['Esc'], 'help.cancel'],
   [['?'], 'help.open'],
 ];
