@@ -14,6 +14,7 @@ import {
   checkMeasureOptions,
   checkNames,
   checkProgressiveOptions,
+  checkProtection,
   checkSignal,
   hasTarget,
   resolveMaximumDeviation,
@@ -194,11 +195,17 @@ export class Document {
     const request: SimplifyRequest = { everyLevel: !hasTarget(options), ...resolveRequest(options, this.summary) };
     // Where every level counts, others will be asked for, and are to be there at once.
     request.indexLevels = request.everyLevel === true && request.keepLevels !== true;
+    const { weights, locked } = options;
+    checkProtection(options, this.summary.wedgeSets.reduce((sum, { vertices }) => sum + vertices, 0));
+    if (weights !== undefined && options.weightAttribute !== undefined) throw invalidArgument('weights', 'leave out weightAttribute');
     this.#model.check();
     return this.#simplifying.take(options.signal, async () => {
       const start = performance.now();
       await this.#runInEngine(options, {
-        begin: (model) => model.beginSimplify(JSON.stringify(request)),
+        begin: (model) => {
+          model.setProtection(weights ?? new Float32Array(), locked ?? new Uint8Array());
+          model.beginSimplify(JSON.stringify(request));
+        },
         step: (model, work) => model.step(work),
         cancel: (model) => model.cancelSimplify(),
         limit: { milliseconds: options.timeBudget, stop: (model) => model.stopSimplify() },

@@ -59,7 +59,9 @@ export const MESH_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'weigh
 export const WEIGHT_NAMES = ['normal', 'uv', 'color', 'morph'] as const;
 
 /** Names of {@link DocumentSimplifyOptions}. */
-export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels', 'weightAttribute', 'weightScale', 'maximumDeviation'];
+export const DOCUMENT_SIMPLIFY_NAMES: readonly string[] = [
+  ...SIMPLIFY_NAMES, 'everyLevel', 'keepLevels', 'weightAttribute', 'weightScale', 'weights', 'locked', 'maximumDeviation',
+];
 
 /** Names of {@link RunOptions}. */
 export const RUN_NAMES: readonly string[] = ['onProgress', 'signal'];
@@ -143,7 +145,7 @@ export function resolveMaximumDeviation({ maximumDeviation, keepLevels, everyLev
 }
 
 /** Checks the types and lengths of weights and locks; the values are the engine's to check. */
-export function checkProtection({ weights, locked }: MeshSimplifyOptions, vertices: number): void {
+export function checkProtection({ weights, locked }: Pick<MeshSimplifyOptions, 'weights' | 'locked'>, vertices: number): void {
   if (weights !== undefined && !(weights instanceof Float32Array && weights.length === vertices)) {
     throw invalidArgument('weights', `must be a Float32Array of one number for each of the ${vertices} vertices`);
   }

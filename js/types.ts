@@ -236,6 +236,13 @@ export interface DocumentSimplifyOptions extends SimplifyOptions {
    * or else the first: `'_WEIGHT'`, `'COLOR_0.g'`. Vertices without it weigh 0. Default: nothing is weighted.
    */
   readonly weightAttribute?: string | undefined;
+  /**
+   * As {@link MeshSimplifyOptions}' `weights`, one number for each of the document's vertices: those of its wedge sets
+   * in order. Instead of `weightAttribute`.
+   */
+  readonly weights?: Float32Array | undefined;
+  /** For each of the document's vertices, in the same order, whether it stays: where it is not 0 it neither moves nor vanishes. */
+  readonly locked?: Uint8Array | undefined;
   /** Multiplies the weights of `weightAttribute`, a number ≥ 0: colours go from 0 to 1. Default 1. */
   readonly weightScale?: number | undefined;
 }

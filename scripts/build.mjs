@@ -6,6 +6,7 @@ import { chmodSync, existsSync, mkdirSync, readFileSync, readdirSync, renameSync
 import { homedir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { gzipSync } from 'node:zlib';
+import { checkPage } from './page-budget.mjs';
 import { Stop, at, findProgram, hashFiles, isMain, main, readIfThere, root, run, secondsSince } from './project.mjs';
 import { setup } from './setup.mjs';
 import { vendor } from './vendor.mjs';
@@ -32,7 +33,10 @@ const STAGES = {
     make: buildJs,
   },
   page: {
-    inputs: ['www', 'dist', 'vite.config.ts', 'tsconfig.www.json', 'tsconfig.base.json'],
+    inputs: [
+      'www', 'dist', 'vite.config.ts', 'tsconfig.www.json', 'tsconfig.service-worker.json', 'tsconfig.base.json',
+      'scripts/page-budget.json', 'scripts/page-budget.mjs', 'scripts/precache.mjs',
+    ],
     outputs: () => ['site'],
     make: buildPage,
   },
@@ -167,9 +171,12 @@ async function buildJs() {
 }
 
 async function buildPage() {
-  await must(process.execPath, [at('node_modules', 'typescript', 'bin', 'tsc'), '-p', at('tsconfig.www.json')]);
+  for (const project of ['tsconfig.www.json', 'tsconfig.service-worker.json']) {
+    await must(process.execPath, [at('node_modules', 'typescript', 'bin', 'tsc'), '-p', at(project)]);
+  }
   const vite = at('node_modules', 'vite', 'bin', 'vite.js');
   await must(process.execPath, [vite, 'build', '--config', at('vite.config.ts'), '--logLevel', 'warn']);
+  checkPage(at('site'), say);
 }
 
 async function must(program, programArguments, options) {

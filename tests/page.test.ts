@@ -27,7 +27,7 @@ beforeAll(async () => {
 afterAll(() => served?.close());
 
 async function openPage(options: BrowserContextOptions = {}, path = ''): Promise<void> {
-  const context = await served.browser.newContext({ viewport: { width: 1100, height: 760 }, reducedMotion: 'reduce', ...options });
+  const context = await served.browser.newContext({ viewport: { width: 1100, height: 760 }, reducedMotion: 'reduce', serviceWorkers: 'block', ...options });
   page = await context.newPage();
   page.setDefaultTimeout(LONG.timeout);
   page.on('console', (message) => {

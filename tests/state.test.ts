@@ -4,9 +4,11 @@ import { formatBytes, formatLength, formatShare } from '../www/format.ts';
 import { positionOfTriangles, trianglesAtPosition } from '../www/components/lod-slider/scale.ts';
 import { writeOptions } from '../www/encoding.ts';
 import * as transitions from '../www/state.ts';
+import { statusText } from '../www/status.ts';
 import type { State } from '../www/state.ts';
 
 const source = { format: 'glb', compression: 'none' as const, bytes: 5000, triangles: 1000, vertices: 500, meshes: 1, diagonal: 2 };
+const NOTHING = { seam: 0, corner: 0, border: 0, nonManifold: 0, locked: 0, topology: 0, flip: 0, error: 0, other: 0 };
 const opened = (): State =>
   transitions.modelOpened(transitions.initialState, { name: 'vase', credit: '', source, warnings: [], animations: [] });
 const ready = (fewest = 4): State => transitions.historyReady(transitions.modelDrawn(opened()), fewest);
@@ -103,11 +105,11 @@ describe('measuring', () => {
   it('says so, can be cancelled, and leaves its figures', () => {
     const running = transitions.measuringProgressed(shown(), 0.5);
     expect(running.model?.measurement).toEqual({ kind: 'running', fraction: 0.5 });
-    expect(transitions.statusText(running)).toBe('Measuring vase…');
+    expect(statusText(running)).toBe('Measuring vase…');
     expect(transitions.canCancel(running)).toBe(true);
     expect(transitions.isBusy(running)).toBe(false);
     expect(measured().model?.measurement).toEqual({ kind: 'done', deviation });
-    expect(transitions.statusText(measured())).toBe('Measured.');
+    expect(statusText(measured())).toBe('Measured.');
     expect(transitions.canCancel(measured())).toBe(false);
     expect(transitions.measuringEnded(running, null, '').model?.measurement).toEqual({ kind: 'none' });
   });
@@ -159,7 +161,7 @@ describe('fitting for a download', () => {
 
   it('is a part of the writing, with progress', () => {
     const fitting = transitions.fittingStarted(writing());
-    expect(transitions.statusText(fitting)).toBe('Fitting vase.glb…');
+    expect(statusText(fitting)).toBe('Fitting vase.glb…');
     expect(transitions.isBusy(fitting)).toBe(true);
     expect(transitions.progress(transitions.fittingProgressed(fitting, 0.5))).toBe(0.5);
     expect(transitions.fittingEnded(fitting).task).toEqual(writing().task);
@@ -186,29 +188,29 @@ describe('fitting for a download', () => {
 describe('status', () => {
   it('says what is under way, then what is shown', () => {
     const opening = transitions.taskStarted(opened(), { kind: 'opening', name: 'a.glb', fraction: 0.5 });
-    expect(transitions.statusText(opening)).toBe('Opening a.glb…');
+    expect(statusText(opening)).toBe('Opening a.glb…');
     expect(transitions.progress(opening)).toBe(0.5);
     const recording = transitions.recordingProgressed(opened(), 0.25);
     expect(transitions.isBusy(recording)).toBe(true);
     expect(transitions.progress(recording)).toBe(0.25);
-    expect(transitions.statusText(recording)).toBe('Simplifying vase…');
-    expect(transitions.statusText(transitions.historyReady(opened(), 4))).toBe('Drawing vase…');
-    expect(transitions.statusText(ready())).toBe('Ready. 1,000 triangles.');
-    const stuck = transitions.historyReady(transitions.modelDrawn(opened()), 1000, 'all of the remaining edges are locked');
-    expect(transitions.statusText(stuck)).toBe('Ready. 1,000 triangles. No fewer are possible: all of the remaining edges are locked.');
+    expect(statusText(recording)).toBe('Simplifying vase…');
+    expect(statusText(transitions.historyReady(opened(), 4))).toBe('Drawing vase…');
+    expect(statusText(ready())).toBe('Ready. 1,000 triangles.');
+    const stuck = transitions.historyReady(transitions.modelDrawn(opened()), 1000, { ...NOTHING, locked: 7 });
+    expect(statusText(stuck)).toBe('Ready. 1,000 triangles. No fewer are possible: 100 % of the remaining edges are locked.');
     const moved = transitions.targetMoved(ready(), 11, 1);
-    expect(transitions.statusText(moved)).toBe('Going to 11 triangles…');
+    expect(statusText(moved)).toBe('Going to 11 triangles…');
     const shown = transitions.levelShown(moved, { triangles: 10, vertices: 7, estimatedError: 0.1 }, 11);
     const saved = transitions.remarked(shown, 'Saved.');
-    expect(transitions.statusText(saved)).toBe('Saved.');
-    expect(transitions.statusText(transitions.targetMoved(saved, 20, 2))).toBe('Going to 20 triangles…');
-    expect(transitions.statusText(shown)).toBe('Ready. Showing 10 of 1,000 triangles.');
+    expect(statusText(saved)).toBe('Saved.');
+    expect(statusText(transitions.targetMoved(saved, 20, 2))).toBe('Going to 20 triangles…');
+    expect(statusText(shown)).toBe('Ready. Showing 10 of 1,000 triangles.');
   });
 
   it('is usable after a cancelled recording', () => {
     const cancelled = transitions.recordingEnded(transitions.recordingProgressed(opened(), 0.5), 'Cancelled.');
     expect(transitions.isBusy(cancelled)).toBe(false);
-    expect(transitions.statusText(cancelled)).toBe('Cancelled.');
+    expect(statusText(cancelled)).toBe('Cancelled.');
   });
 });
 

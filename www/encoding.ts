@@ -1,18 +1,18 @@
 // How the geometry of a download is stored: the choices, and what the package calls them.
 import { holdsEncodings } from 'decimesh/worker';
 import type { Compression, WriteOptions } from 'decimesh/worker';
-import type { OutputFormat } from './state.ts';
+import type { OutputFormat } from './formats.ts';
 
 /** A choice under Compression. */
 export type Encoding = Compression | 'quantized' | 'meshopt-quantized';
 
 /** The choices as the page offers them. */
-export const ENCODINGS: ReadonlyArray<{ readonly value: Encoding; readonly name: string; readonly options: WriteOptions }> = [
-  { value: 'none', name: 'Plain', options: { compress: 'none' } },
-  { value: 'quantized', name: 'Quantised', options: { compress: 'none', quantize: true } },
-  { value: 'meshopt', name: 'Meshopt', options: { compress: 'meshopt' } },
-  { value: 'meshopt-quantized', name: 'Meshopt, quantised', options: { compress: 'meshopt', quantize: true } },
-  { value: 'draco', name: 'Draco', options: { compress: 'draco' } },
+export const ENCODINGS: ReadonlyArray<{ readonly value: Encoding; readonly options: WriteOptions }> = [
+  { value: 'none', options: { compress: 'none' } },
+  { value: 'quantized', options: { compress: 'none', quantize: true } },
+  { value: 'meshopt', options: { compress: 'meshopt' } },
+  { value: 'meshopt-quantized', options: { compress: 'meshopt', quantize: true } },
+  { value: 'draco', options: { compress: 'draco' } },
 ];
 
 /** Whether `value` is one of the choices. */

@@ -18,21 +18,36 @@ export const baseName = (name: string): string => {
 export const modelFile = (files: readonly File[]): File | undefined =>
   files.find((file) => MODEL_EXTENSIONS.includes(extensionOf(file.name))) ?? files[0];
 
+/** Kinds of models that name other files. */
+const WITH_FILES: readonly string[] = ['gltf', 'obj'];
+
+/**
+ * The models among `files`, each first in a list with the files that it may refer to, under the names it has for them.
+ * A .zip is a model of its own where it is not alone.
+ */
+export function modelsOf(files: readonly File[]): File[][] {
+  const models = files.filter(({ name }) => [...MODEL_EXTENSIONS, 'zip'].includes(extensionOf(name)));
+  const others = files.filter((file) => !models.includes(file));
+  return models.map((model) => {
+    if (!WITH_FILES.includes(extensionOf(model.name))) return [named(model, model.name)];
+    const folder = model.name.slice(0, model.name.lastIndexOf('/') + 1);
+    return relativeToModel([model, ...others.filter(({ name }) => name.startsWith(folder))], model);
+  });
+}
+
 /** The files of a drop, folders read to their depth. Call it inside the event: a drop's items are gone afterwards. */
 export function filesOfDrop(transfer: DataTransfer): Promise<File[]> {
   const entries = [...transfer.items].map((item) => (item.kind === 'file' ? item.webkitGetAsEntry() : null));
   const found = entries.filter((entry) => entry !== null);
   if (!found.some((entry) => entry.isDirectory)) return Promise.resolve([...transfer.files]);
-  return readEntries(found).then(relativeToModel);
+  return readEntries(found);
 }
 
 /** The files of a file input; with `webkitdirectory` under their paths in the folder. */
-export const filesOfInput = (files: FileList): File[] =>
-  relativeToModel([...files].map((file) => named(file, file.webkitRelativePath || file.name)));
+export const filesOfInput = (files: FileList): File[] => [...files].map((file) => named(file, file.webkitRelativePath || file.name));
 
-// A model names its textures relative to itself.
-function relativeToModel(files: File[]): File[] {
-  const model = modelFile(files);
+/** The files under the names that the model among them has for them: it names its textures relative to itself. */
+export function relativeToModel(files: readonly File[], model = modelFile(files)): File[] {
   const folder = model?.name.includes('/') ? model.name.slice(0, model.name.lastIndexOf('/') + 1) : '';
   return files.map((file) => (file.name.startsWith(folder) ? named(file, file.name.slice(folder.length)) : file));
 }

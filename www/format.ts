@@ -1,9 +1,8 @@
-// Figures as people read them.
-
-const counts = new Intl.NumberFormat('en');
+// Figures as people read them, in the language of the page.
+import { currentLanguage, t } from './messages/messages.ts';
 
 /** 12345 → `12,345`. */
-export const formatCount = (value: number): string => counts.format(value);
+export const formatCount = (value: number): string => value.toLocaleString(currentLanguage());
 
 /** Bytes in the decimal units that download dialogs use: 1234567 → `1.23 MB`. */
 export const formatBytes = (bytes: number): string => {
@@ -21,24 +20,45 @@ export const formatBytes = (bytes: number): string => {
 
 /** A share of 1 as per cent with three significant digits at most: 0.1234 → `12.3 %`. */
 export const formatShare = (share: number): string => {
-  if (share === 0) return '0 %';
   const percent = share * 100;
-  if (percent < 0.001) return '< 0.001 %';
+  if (share > 0 && percent < 0.001) return t('figure.below', { value: percentOf('0.001') });
   // A remainder just below 100 must not read as all of it.
-  if (share < 1 && percent > 99.9) return '> 99.9 %';
-  return `${threeDigits(percent)} %`;
+  if (share < 1 && percent > 99.9) return t('figure.above', { value: percentOf('99.9') });
+  return t('figure.percent', { value: threeDigits(percent) });
 };
+
+const percentOf = (figure: string): string => t('figure.percent', { value: Number(figure).toLocaleString(currentLanguage()) });
 
 /** A length in model units with three significant digits, in powers of ten when it is very small or large. */
 export const formatLength = (length: number): string => {
   if (length === 0) return '0';
-  if (length < 1e-4 || length >= 1e6) return length.toExponential(2).replace('e-', ' × 10⁻').replace('e+', ' × 10').replace(/(10⁻?)(\d+)$/, (_, base: string, digits: string) => base + superscript(digits));
+  if (length < 1e-4 || length >= 1e6) {
+    const [digits = '', exponent = ''] = length.toExponential(2).split('e');
+    return `${Number(digits).toLocaleString(currentLanguage(), { minimumFractionDigits: 2 })} × 10${superscript(exponent)}`;
+  }
   return threeDigits(length);
 };
 
-const superscript = (digits: string): string => [...digits].map((digit) => '⁰¹²³⁴⁵⁶⁷⁸⁹'[Number(digit)] ?? digit).join('');
+const superscript = (exponent: string): string =>
+  [...exponent].map((sign) => (sign === '-' ? '⁻' : sign === '+' ? '' : ('⁰¹²³⁴⁵⁶⁷⁸⁹'[Number(sign)] ?? sign))).join('');
 
-const threeDigits = (value: number): string => {
-  if (value >= 100) return counts.format(Math.round(value));
-  return String(Number(value.toPrecision(3)));
+const threeDigits = (value: number): string =>
+  value >= 100 ? formatCount(Math.round(value)) : value.toLocaleString(currentLanguage(), { maximumSignificantDigits: 3 });
+
+/** A number as people type it, with a point or a comma before its fraction; null for what is none. */
+export const readNumber = (text: string): number | null => {
+  const plain = text.replace(/[\s\u00a0\u202f'’_]/g, '');
+  const parts = plain.split(/[.,]/);
+  // Of several separators only the last may stand before a fraction.
+  const joined = parts.length > 2 ? `${parts.slice(0, -1).join('')}.${parts.at(-1)}` : plain.replace(',', '.');
+  return /^\d*\.?\d+$|^\d+\.$/.test(joined) ? Number(joined) : null;
+};
+
+/** Bits a second of a usual 4G connection, as browsers' tools throttle to. */
+const FOURTH_GENERATION = 9e6;
+
+/** How long `bytes` take over 4G: `0.4 s`. */
+export const formatDownloadTime = (bytes: number): string => {
+  const seconds = (bytes * 8) / FOURTH_GENERATION;
+  return t('figure.seconds', { value: seconds >= 10 ? formatCount(Math.round(seconds)) : seconds.toLocaleString(currentLanguage(), { maximumFractionDigits: seconds < 1 ? 2 : 1 }) });
 };

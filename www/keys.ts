@@ -13,7 +13,9 @@ export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: Cam
   addEventListener('keydown', (event) => {
     const { key } = event;
     if (key === 'Escape') {
-      if (canCancel(state())) actions.cancel();
+      if (state().help) return;
+      if (canCancel(state()) || state().batch?.running === true) actions.cancel();
+      else if (state().sheet !== null && state().notice === null) actions.toggleSheet(null);
       else actions.dismiss();
       return;
     }
@@ -24,16 +26,24 @@ export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: Cam
         event.preventDefault();
         if (lower === 'y' || event.shiftKey) actions.redo();
         else actions.undo();
+      } else if (lower === 's' && state().model !== null) {
+        event.preventDefault();
+        actions.download();
       }
       return;
     }
-    if (state().model === null) return;
+    if (key === '?') actions.toggleHelp(!state().help);
+    if (state().model === null || state().help) return;
     const turn = event.target === canvas ? cameraMove(key) : undefined;
     if (turn !== undefined) {
       event.preventDefault();
       move(turn);
-    } else if (key === 'f' || key === 'F') actions.fit();
+    } else if (key === 'o' || key === 'O') actions.toggleSheet('options');
+    else if (key === 'i' || key === 'I') actions.toggleSheet('details');
+    else if (key === 'f' || key === 'F') actions.fit();
     else if (key === 'w' || key === 'W') actions.changeView({ wireframe: !state().view.wireframe });
+    else if (key === 's' || key === 'S') actions.changeView({ layout: state().view.layout === 'split' ? 'single' : 'split' });
+    else if (key === 'e' || key === 'E') actions.changeView({ edgeClasses: !state().view.edgeClasses });
     else if ((key === 'c' || key === 'C') && !event.repeat) actions.changeView({ comparing: true });
     else if (key === ' ' && (event.target === canvas || event.target === document.body)) {
       event.preventDefault();
@@ -71,5 +81,8 @@ function cameraMove(key: string): CameraMove | undefined {
   }
 }
 
+/** Inputs in which a letter means nothing. */
+const WITHOUT_LETTERS: readonly string[] = ['range', 'file', 'radio', 'checkbox'];
+
 const isTyping = (target: EventTarget | null): boolean =>
-  (target instanceof HTMLInputElement && target.type !== 'range' && target.type !== 'file') || target instanceof HTMLSelectElement;
+  (target instanceof HTMLInputElement && !WITHOUT_LETTERS.includes(target.type)) || target instanceof HTMLSelectElement;

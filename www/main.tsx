@@ -4,22 +4,34 @@ import { render } from 'preact';
 import { createWorkerClient } from 'decimesh/worker';
 import { App } from './components/app/app.tsx';
 import type { Actions } from './components/app/app.tsx';
-import { fileNameOf, filesOfDrop, filesOfInput } from './files.ts';
+import { fileNameOf, filesOfDrop, filesOfInput, modelsOf } from './files.ts';
 import { bindKeys } from './keys.ts';
+import { preferredLanguage, rememberLanguage, t, useLanguage } from './messages/messages.ts';
+import type { Language } from './messages/messages.ts';
+import { whenIdle } from './idle.ts';
+import { keepOffline, onLaunchFiles, takeSharedFiles } from './offline/offline.ts';
 import { bindPointers } from './preview/pointer.ts';
 import { View } from './preview/view.ts';
-import { rememberQuality, rememberedQuality } from './quality.ts';
-import { Session, describeError } from './session.ts';
+import { Batch } from './batch/batch.ts';
+import { shareChosen } from './batch/batch_state.ts';
+import { DEFAULT_CHOICES, readWish, rememberChoices, rememberedChoices, withWishes, writeWish } from './choices.ts';
+import { describeError } from './describe_error.ts';
+import { samples } from './samples/samples.ts';
+import { Session } from './session.ts';
 import * as transitions from './state.ts';
+import type { Sample } from './samples/samples.ts';
 import type { State } from './state.ts';
 import { applyTheme, rememberedTheme, watchSystemTheme } from './theme.ts';
 import './styles/tokens.css';
 import './styles/base.css';
 
 const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)').matches;
+const wish = readWish(new URLSearchParams(location.search));
 const state = signal<State>({
   ...transitions.initialState,
-  quality: rememberedQuality(),
+  ...withWishes(withWishes(DEFAULT_CHOICES, rememberedChoices()), wish),
+  wish,
+  reducedMotion,
   view: { ...transitions.initialState.view, playing: !reducedMotion, theme: rememberedTheme() },
 });
 const update = (transition: (state: State) => State): void => {
@@ -37,37 +49,68 @@ const view = new View(
       update((now) =>
         transitions.failed(now, {
           code: 'no-webgl',
-          message: 'This browser shows no 3D view: WebGL2 is missing or switched off. Models are simplified all the same.',
+          message: t('view.unavailable'),
           where: reason,
         }),
       ),
-    onContextLost: () => update((now) => transitions.remarked(now, 'The graphics card took a break; the view comes back by itself.')),
+    onContextLost: () => update((now) => transitions.remarked(now, t('view.contextLost'))),
     onContextRestored: () => update((now) => transitions.remarked(now, '')),
+    onContents: (contents) => update((now) => transitions.contentsChanged(now, contents)),
+    onEdges: (counts) => update((now) => transitions.edgesCounted(now, counts)),
+    onInsets: (insets) => update((now) => transitions.insetsChanged(now, insets)),
   },
   reducedMotion,
 );
-const session = new Session({ get value() { return state.peek(); }, update }, createWorkerClient(), view);
+const store = { get value() { return state.peek(); }, update };
+const client = createWorkerClient();
+const session = new Session(store, client, view);
+const batch = new Batch(store, client);
 
 const dockObserver = new ResizeObserver(() => view.setInsets(insetsOf(host)));
 dockObserver.observe(canvas);
 
 const actions: Actions = {
-  openFiles: (files) => void session.open(filesOfInput(files)),
-  openSample: (sample) => void session.openAddress(new URL(sample.address, location.href), sample.fileName, sample.credit),
-  cancel: () => session.cancel(),
+  openFiles: (files) => openFiles(filesOfInput(files)),
+  openSample,
+  cancel: () => (state.peek().batch?.running === true ? batch.cancel() : session.cancel()),
   dismiss: () => update(transitions.noticeDismissed),
   moveTarget: (triangles, gesture) => update((now) => transitions.targetMoved(now, triangles, gesture)),
   undo: () => update(transitions.undone),
   redo: () => update(transitions.redone),
   fit: () => view.move({ kind: 'fit' }),
   changeView: (change) => update((now) => transitions.viewChanged(now, change)),
+  loadUpdate: () => loadUpdate(),
+  declineUpdate: () => update((now) => transitions.updateOffered(now, false)),
+  changeMorph: (index, weight) => update((now) => transitions.morphChanged(now, index, weight)),
   chooseFormat: (format) => update((now) => transitions.outputFormatChosen(now, format)),
   chooseEncoding: (encoding) => update((now) => transitions.encodingChosen(now, encoding)),
   chooseQuality: (quality) => update((now) => transitions.qualityChosen(now, quality)),
+  chooseGoal: (goal) => update((now) => transitions.goalChosen(now, goal)),
+  changeRun: (change) => update((now) => transitions.runChanged(now, change)),
+  chooseMeshes: (kept) => update((now) => transitions.runChanged(now, { kept })),
+  chooseLods: (lods) => update((now) => transitions.lodsChosen(now, lods)),
+  resetChoices: () => update(transitions.choicesReset),
+  remark: (text) => update((now) => transitions.remarked(now, text)),
+  toggleSheet: (sheet) => update((now) => transitions.sheetToggled(now, sheet)),
+  toggleHelp: (shown) => update((now) => transitions.helpToggled(now, shown)),
+  chooseShare: (share) => update((now) => transitions.batchChanged(now, (queue) => shareChosen(queue, share))),
+  startBatch: () => void batch.start(),
+  cancelBatch: () => batch.cancel(),
+  saveBatch: () => void batch.save(),
+  closeBatch: () => batch.close(),
   download: () => void session.download(),
   measure: () => void session.measure(),
+  chooseLanguage: (language) => {
+    rememberLanguage(language);
+    void speak(language);
+  },
 };
 
+let addressTimer: ReturnType<typeof setTimeout> | undefined;
+/** Milliseconds that a level has been on screen for before it is measured for the heat map. */
+const HEAT_PAUSE = 400;
+let heatTimer: ReturnType<typeof setTimeout> | undefined;
+let loadUpdate = (): void => {};
 let drawing = false;
 let observedDock: Element | null = null;
 effect(() => {
@@ -81,8 +124,15 @@ effect(() => {
     observeDock(host);
   });
 });
-watch((now) => `${now.model?.wantedTriangles} ${now.outputFormat} ${now.encoding} ${now.quality}`, () => session.wishChanged());
-watch((now) => now.quality, rememberQuality);
+watch((now) => JSON.stringify([now.model?.wantedTriangles, transitions.choicesOf(now)]), () => session.wishChanged());
+watch((now) => JSON.stringify([now.quality, now.run]), () => rememberChoices(transitions.choicesOf(state.peek())));
+watch((now) => JSON.stringify([now.model?.wantedTriangles, now.model?.origin, transitions.choicesOf(now)]), keepAddressLater);
+watch((now) => now.sheet, () => requestAnimationFrame(() => view.setInsets(insetsOf(host))));
+watch(transitions.heatMapWish, (wish) => {
+  clearTimeout(heatTimer);
+  // Levels that a drag passes are not measured.
+  if (wish !== null) heatTimer = setTimeout(() => void session.measure(), HEAT_PAUSE);
+});
 watch((now) => now.view, (settings) => view.setSettings(settings));
 watch((now) => now.view.theme, (theme) => view.setTheme(applyTheme(theme)));
 watch((now) => now.model?.name, (name) => {
@@ -92,17 +142,83 @@ watchSystemTheme(() => view.setTheme(applyTheme(state.peek().view.theme)));
 bindKeys(canvas, actions, (move) => view.move(move), () => state.peek());
 bindPointers(canvas, (move) => view.move(move));
 bindDrop();
+bindPaste();
+// The engine is loaded while the user looks.
+whenIdle(() => void client.externalFiles(new Uint8Array()).catch(() => {}));
+onLaunchFiles(openFiles);
+if (import.meta.env.PROD) {
+  void keepOffline((load) => {
+    loadUpdate = load;
+    update((now) => transitions.updateOffered(now, true));
+  });
+}
 
-const address = new URLSearchParams(location.search).get('model');
+void speak(preferredLanguage());
+
+const parameters = new URLSearchParams(location.search);
+const address = parameters.get('model');
+const sampleName = parameters.get('sample');
+const wantedSample = samples.find(({ fileName }) => fileName === `${sampleName}.glb`);
 if (address !== null) openAddress(address);
+else if (wantedSample !== undefined) openSample(wantedSample);
+if (parameters.has('shared')) void openShared();
+
+async function speak(language: Language): Promise<void> {
+  try {
+    await useLanguage(language);
+  } catch {
+    // Without a network it goes on in the language it has.
+    return;
+  }
+  canvas?.setAttribute('aria-roledescription', t('view.role'));
+  canvas?.setAttribute('aria-label', t('view.name'));
+  update((now) => transitions.languageChanged(now, language));
+}
 
 function openAddress(text: string): void {
   const url = URL.parse(text, location.href);
   if (url === null) {
-    update((now) => transitions.failed(now, { code: 'invalid-argument', message: 'this is not an address', where: `?model=${text}` }));
+    update((now) => transitions.failed(now, { code: 'invalid-argument', message: t('notice.notAnAddress'), where: `?model=${text}` }));
     return;
   }
-  void session.openAddress(url, fileNameOf(url));
+  void session.openAddress(url, fileNameOf(url), { kind: 'model', address: text });
+}
+
+function openSample({ address: path, fileName, credit }: Sample): void {
+  const origin = { kind: 'sample', address: fileName.replace(/\.glb$/, '') } as const;
+  void session.openAddress(new URL(path, location.href), fileName, origin, credit);
+}
+
+/** One model goes on screen, several go into a queue. */
+function openFiles(files: File[]): void {
+  const models = modelsOf(files);
+  if (models.length > 1) {
+    session.close();
+    batch.open(models);
+  } else {
+    if (state.peek().batch !== null) batch.close();
+    void session.open(files);
+  }
+}
+
+/** Writes what was chosen into the address, once the slider rests: browsers refuse to be told at every move. */
+function keepAddressLater(): void {
+  clearTimeout(addressTimer);
+  addressTimer = setTimeout(keepAddress, 300);
+}
+
+function keepAddress(): void {
+  const { model, ...now } = state.peek();
+  if (model === null) return;
+  const query = new URLSearchParams(location.search);
+  for (const name of ['model', 'sample']) query.delete(name);
+  if (model.origin !== null) query.set(model.origin.kind, model.origin.address);
+  const chosen = model.wantedTriangles === model.source.triangles ? null : model.wantedTriangles;
+  const choices = transitions.choicesOf({ ...now, model });
+  writeWish(query, choices, chosen, { ...choices, ...transitions.usualFor(model.source) });
+  const text = query.toString();
+  const next = location.pathname + (text === '' ? '' : `?${text}`) + location.hash;
+  if (next !== location.pathname + location.search + location.hash) history.replaceState(history.state, '', next);
 }
 
 /** Calls `act` with the first value of `select` and then whenever it changes. */
@@ -129,12 +245,37 @@ function observeDock(page: HTMLElement): void {
 function insetsOf(page: HTMLElement): { top: number; right: number; bottom: number; left: number } {
   const top = page.querySelector('.top-bar')?.getBoundingClientRect().bottom ?? 0;
   const dock = page.querySelector('[data-inset]')?.getBoundingClientRect();
-  if (dock === undefined) return { top, right: 0, bottom: 0, left: 0 };
+  const sheet = page.querySelector('[data-inset-left]')?.getBoundingClientRect();
+  // A sheet over most of the view leaves nothing to make room in.
+  const left = sheet === undefined || sheet.width > innerWidth * 0.5 ? 0 : sheet.right;
+  if (dock === undefined) return { top, right: 0, bottom: 0, left };
   // A narrow dock stands at the side, a wide one lies at the bottom.
   const beside = dock.width < innerWidth * 0.6 && dock.height > innerHeight * 0.5;
   return beside
-    ? { top, right: Math.max(innerWidth - dock.left, 0), bottom: 0, left: 0 }
-    : { top, right: 0, bottom: Math.max(innerHeight - dock.top, 0), left: 0 };
+    ? { top, right: Math.max(innerWidth - dock.left, 0), bottom: 0, left }
+    : { top, right: 0, bottom: Math.max(innerHeight - dock.top, 0), left };
+}
+
+/** Files that another program has shared; a reload does not open them again. */
+async function openShared(): Promise<void> {
+  history.replaceState(null, '', location.pathname);
+  const files = await takeSharedFiles();
+  if (files.length > 0) openFiles(files);
+}
+
+/** Files from the clipboard; or the address of a model, unless it is pasted into a field. */
+function bindPaste(): void {
+  addEventListener('paste', (event) => {
+    const files = event.clipboardData?.files;
+    if (files !== undefined && files.length > 0) {
+      event.preventDefault();
+      openFiles(filesOfInput(files));
+      return;
+    }
+    const text = event.clipboardData?.getData('text/plain').trim() ?? '';
+    const inField = event.target instanceof HTMLInputElement || event.target instanceof HTMLTextAreaElement;
+    if (!inField && /^https?:\/\/\S+$/.test(text)) openAddress(text);
+  });
 }
 
 function bindDrop(): void {
@@ -161,7 +302,7 @@ function bindDrop(): void {
     event.preventDefault();
     set(0);
     void filesOfDrop(event.dataTransfer).then(
-      (files) => session.open(files),
+      openFiles,
       (error: unknown) => update((now) => transitions.failed(now, { ...describeError(error), code: 'cannot-read' })),
     );
   });

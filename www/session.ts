@@ -1,14 +1,22 @@
 // The conversation with the worker: opens files, records the history, and keeps what is shown in step with what is
 // wanted. Only the latest wish counts: one request is under way, and what was asked for meanwhile is read when it ends.
-import { describeBlockers } from 'decimesh/worker';
-import type { DocumentProxy, WorkerClient } from 'decimesh/worker';
-import { baseName, decodePath, fetchFile, modelFile } from './files.ts';
+import type { DocumentProxy, Report, WorkerClient } from 'decimesh/worker';
+import { isChain, runKey } from './choices.ts';
+import type { Goal } from './choices.ts';
+import { describeError } from './describe_error.ts';
+import { baseName, modelFile, relativeToModel } from './files.ts';
 import { formatShare } from './format.ts';
 import { encodingFor, writeOptions } from './encoding.ts';
-import type { Encoding } from './encoding.ts';
+import { blobOf, save } from './formats.ts';
+import type { Quality } from './formats.ts';
+import { t } from './messages/messages.ts';
+import { heatLimit } from './preview/heat.ts';
 import type { View } from './preview/view.ts';
+import { fetchModel } from './remote.ts';
+import { readScene } from './scene.ts';
 import * as transitions from './state.ts';
-import type { Model, Notice, OutputFormat, Quality, State } from './state.ts';
+import type { Model, Origin, State } from './state.ts';
+import { countMeshes, fitFor, fitOfFile, goalKey, simplifyOptions, wishKey } from './wishes.ts';
 
 /** Where the session reads and changes the page's state. */
 export interface Store {
@@ -16,23 +24,14 @@ export interface Store {
   update(transition: (state: State) => State): void;
 }
 
-const CANCELLED = 'Cancelled. Move the slider to simplify again.';
-
 /** Milliseconds without a new wish before the file for it is written to learn its size. */
 const SETTLE_TIME = 250;
 
+/** Milliseconds that the first picture is waited for before the recording starts. */
+const PICTURE_TIME = 3000;
+
 /** Codes after which the worker has no documents any more; opening the files again brings them back. */
 const LOST_CODES: readonly string[] = ['disposed', 'worker-lost', 'internal', 'out-of-memory'];
-
-const MIME_TYPES: Readonly<Record<OutputFormat, string>> = {
-  glb: 'model/gltf-binary',
-  obj: 'model/obj',
-  stl: 'model/stl',
-  // Without a type of their own; as text they would be saved as .txt.
-  ply: 'application/octet-stream',
-  off: 'application/octet-stream',
-  smf: 'application/octet-stream',
-};
 
 /** A file, the wish it answers, and a sentence on what its format cannot hold, or nothing. */
 interface WrittenFile {
@@ -46,6 +45,12 @@ interface OpenDocument {
   document: DocumentProxy;
   readonly files: File[];
   recording: AbortController | null;
+  /** What the record of levels was or is being made with. */
+  recorded: string | null;
+  /** Whether what is shown and written is of another run than the one that is or was being recorded. */
+  stale: boolean;
+  /** The goal that the slider was set for last, with all it depends on. */
+  reached: string | null;
   measuring: AbortController | null;
   /** The fit for a download that is under way, and what it is for. */
   fitting: { readonly controller: AbortController; readonly wanted: number; readonly quality: Quality } | null;
@@ -77,22 +82,27 @@ export class Session {
   ) {}
 
   /** Opens a model from its files, in place of the one before if that works. */
-  async open(files: File[], credit = ''): Promise<void> {
+  async open(given: File[]): Promise<void> {
+    const files = relativeToModel(given);
     const model = modelFile(files);
     if (model === undefined) return;
-    await this.runTask('opening', model.name, (signal) => this.replaceDocument(files, model.name, credit, signal));
+    await this.runTask('opening', model.name, (signal) => this.replaceDocument(files, { fileName: model.name, credit: '', origin: null }, signal));
+  }
+
+  /** Frees the model; nothing is on screen afterwards. */
+  close(): void {
+    this.cancel();
+    for (const controller of [this.current?.measuring, this.current?.recording]) controller?.abort(superseded());
+    this.current?.document.dispose();
+    this.current = null;
   }
 
   /** Opens a model from the web under the name `fileName`, with the files it refers to. */
-  async openAddress(address: URL, fileName: string, credit = ''): Promise<void> {
+  async openAddress(address: URL, fileName: string, origin: Origin, credit = ''): Promise<void> {
     await this.runTask('opening', fileName, async (signal) => {
       const onProgress = (fraction: number | null): void => this.store.update((state) => transitions.taskProgressed(state, fraction));
-      const model = await fetchFile(address, fileName, { signal, onProgress });
-      const references = await this.client.externalFiles(new Uint8Array(await model.arrayBuffer()));
-      const others = (await Promise.all(references.map((reference) => fetchReference(reference, '', address, signal)))).flat();
-      const libraries = others.filter((file) => /\.mtl$/i.test(file.name));
-      const images = await Promise.all(libraries.map((library) => this.fetchImages(library, address, signal)));
-      await this.replaceDocument([model, ...others, ...images.flat()], fileName, credit, signal);
+      const files = await fetchModel(this.client, address, fileName, { signal, onProgress });
+      await this.replaceDocument(files, { fileName, credit, origin }, signal);
     });
   }
 
@@ -106,15 +116,16 @@ export class Session {
   /** To be called when the wish, the format or the history changed. */
   wishChanged(): void {
     this.wake?.();
-    const { model, quality } = this.store.value;
-    const fitting = this.current?.fitting ?? null;
-    if (fitting !== null && (fitting.wanted !== model?.wantedTriangles || fitting.quality !== quality)) {
-      fitting.controller.abort(new DOMException('Superseded.', 'AbortError'));
+    const { model, run, goal } = this.store.value;
+    const open = this.current;
+    const fitting = open?.fitting ?? null;
+    const rerun = open !== null && open.recorded !== null && open.recorded !== runKey(run);
+    if (fitting !== null && (rerun || fitting.wanted !== model?.wantedTriangles || fitting.quality !== fitFor(this.store.value))) {
+      fitting.controller.abort(superseded());
     }
-    if (model?.measurement.kind !== 'running') this.current?.measuring?.abort(new DOMException('Superseded.', 'AbortError'));
-    if (this.current !== null && model?.history.kind === 'none' && model.wantedTriangles !== model.source.triangles) {
-      void this.record(this.current);
-    }
+    if (rerun || model?.measurement.kind !== 'running') open?.measuring?.abort(superseded());
+    const stopped = model?.history.kind === 'none' && (model.wantedTriangles !== model.source.triangles || goal.kind !== 'triangles');
+    if (open !== null && (rerun || stopped)) void this.record(open, rerun);
     void this.reconcile();
   }
 
@@ -133,8 +144,8 @@ export class Session {
         void this.reconcile();
       });
       if (file === null) return;
-      save(new Blob([file.bytes as Uint8Array<ArrayBuffer>], { type: MIME_TYPES[outputFormat] }), fileName);
-      this.store.update((state) => transitions.remarked(state, `Saved ${fileName}.${file.loss}`));
+      save(blobOf(file.bytes, outputFormat), fileName);
+      this.store.update((state) => transitions.remarked(state, t('status.saved', { name: fileName }) + file.loss));
     });
   }
 
@@ -151,10 +162,13 @@ export class Session {
     update((state) => transitions.measuringProgressed(state, 0));
     try {
       await this.selectLevel(open, model);
-      const deviation = await open.document.measure({
+      const { deviation, wedgeSets } = await open.document.deviationMap({
         signal: measuring.signal,
         onProgress: (fraction) => update((state) => transitions.measuringProgressed(state, fraction)),
       });
+      if (this.current === open && !measuring.signal.aborted) {
+        this.view.setDeviation(wedgeSets.map(({ surroundings }) => surroundings), heatLimit(deviation));
+      }
       update((state) => transitions.measuringEnded(state, deviation, describeDeviation(deviation)));
     } catch (error) {
       const cancelled = measuring.signal.aborted;
@@ -162,11 +176,11 @@ export class Session {
       if (cancelled) {
         // A new wish has ended it already, and goes on to what it asks for.
         if (this.store.value.model?.measurement.kind !== 'running') return;
-        this.store.update((state) => transitions.measuringEnded(state, null, 'Cancelled measuring.'));
+        this.store.update((state) => transitions.heatMapLeft(transitions.measuringEnded(state, null, t('status.cancelledMeasuring'))));
       } else if (await this.reopen(open, error)) {
         void this.record(open);
       } else {
-        update((state) => transitions.measuringEnded(transitions.failed(state, describeError(error)), null, ''));
+        update((state) => transitions.heatMapLeft(transitions.measuringEnded(transitions.failed(state, describeError(error)), null, '')));
       }
     } finally {
       if (open.measuring === measuring) open.measuring = null;
@@ -176,7 +190,7 @@ export class Session {
   // --- tasks
 
   private async runTask(kind: 'opening' | 'writing', name: string, run: (signal: AbortSignal) => Promise<void>): Promise<void> {
-    this.task?.abort(new DOMException('Superseded.', 'AbortError'));
+    this.task?.abort(superseded());
     const task = new AbortController();
     this.task = task;
     this.store.update((state) => transitions.taskStarted(state, { kind, name, fraction: null }));
@@ -185,7 +199,7 @@ export class Session {
       if (this.task === task) this.store.update((state) => transitions.taskEnded(state));
     } catch (error) {
       if (this.task !== task) return;
-      if (task.signal.aborted) this.store.update((state) => transitions.taskEnded(state, 'Cancelled.'));
+      if (task.signal.aborted) this.store.update((state) => transitions.taskEnded(state, t('status.cancelled')));
       else {
         const notice = describeError(error);
         // What is wrong with a file as a whole has the file for its place.
@@ -196,50 +210,48 @@ export class Session {
     }
   }
 
-  // A material library names images relative to itself.
-  private async fetchImages(library: File, address: URL, signal: AbortSignal): Promise<File[]> {
-    const images = await this.client.externalFiles(new Uint8Array(await library.arrayBuffer()));
-    const folder = library.name.slice(0, library.name.lastIndexOf('/') + 1);
-    return (await Promise.all(images.map((image) => fetchReference(image, folder, address, signal)))).flat();
-  }
-
-  private async replaceDocument(files: File[], fileName: string, credit: string, signal: AbortSignal): Promise<void> {
+  private async replaceDocument(files: File[], from: Pick<Model, 'fileName' | 'credit' | 'origin'>, signal: AbortSignal): Promise<void> {
     this.store.update((state) => transitions.taskProgressed(state, null));
     const onProgress = (fraction: number): void => this.store.update((state) => transitions.taskProgressed(state, fraction));
     const document = await this.client.openDocument(files, { signal, onProgress });
     try {
       signal.throwIfAborted();
-      const { bytes } = await document.write({ format: 'glb', compress: 'none' });
+      const { bytes, report } = await document.write({ format: 'glb', compress: 'none' });
       signal.throwIfAborted();
       // The view takes the bytes over.
       const { byteLength } = bytes;
+      const scene = readScene(bytes);
       const prepared = await this.view.load(bytes);
       if (signal.aborted) prepared.discard();
       signal.throwIfAborted();
 
-      this.current?.recording?.abort(new DOMException('Superseded.', 'AbortError'));
-      this.current?.measuring?.abort(new DOMException('Superseded.', 'AbortError'));
+      for (const controller of [this.current?.measuring, this.current?.recording]) controller?.abort(superseded());
       this.current?.document.dispose();
       const { summary } = document;
-      const open: OpenDocument = { document, files, recording: null, measuring: null, fitting: null, fitted: null, written: null, failedKey: null, reopened: false };
+      const open: OpenDocument = { document, files, recording: null, recorded: null, stale: false, reached: null, measuring: null, fitting: null, fitted: null, written: null, failedKey: null, reopened: false };
       this.current = open;
       this.store.update((state) =>
         transitions.modelOpened(state, {
-          name: baseName(fileName),
-          credit,
+          ...from,
+          name: baseName(from.fileName),
+          parts: report.input.parts,
+          scene,
           source: summary,
           warnings: summary.warnings,
           animations: prepared.animations,
         }),
       );
-      this.tellSize(byteLength, 'glb', 'none', summary.triangles);
+      this.tellSize(byteLength, report, { format: 'glb', encoding: 'none', wantedTriangles: summary.triangles, lods: [] });
       // The panel first: with few cores, drawing and simplifying would keep the page from laying it out.
       await afterNextPaint();
       if (this.current !== open) return prepared.discard();
-      void prepared.show().then(() => {
+      const drawn = prepared.show().then(() => {
         if (this.current === open) this.store.update(transitions.modelDrawn);
       });
-      if (signal.aborted) this.store.update((state) => transitions.recordingEnded(state, CANCELLED));
+      // The picture next: side by side with the recording both would take as long as one after the other.
+      await Promise.race([drawn, new Promise((resolve) => setTimeout(resolve, PICTURE_TIME))]);
+      if (this.current !== open) return;
+      if (signal.aborted) this.store.update((state) => transitions.recordingEnded(state, t('status.cancelledRecording')));
       else void this.record(open);
     } catch (error) {
       if (this.current?.document !== document) document.dispose();
@@ -249,10 +261,15 @@ export class Session {
 
   // --- the history
 
-  private async record(open: OpenDocument): Promise<void> {
-    if (open.recording !== null) return;
+  /** Records the levels, unless that is under way; `again` with other settings than those. */
+  private async record(open: OpenDocument, again = false): Promise<void> {
+    if (open.recording !== null && !again) return;
+    open.recording?.abort(superseded());
+    open.stale ||= again;
     const recording = new AbortController();
     open.recording = recording;
+    const { run } = this.store.value;
+    open.recorded = runKey(run);
     const isCurrent = (): boolean => this.current === open && open.recording === recording;
     const update = (transition: (state: State) => State): void => {
       if (isCurrent()) this.store.update(transition);
@@ -263,20 +280,25 @@ export class Session {
     update((state) => transitions.recordingProgressed(state, 0));
     try {
       await open.document.simplify({
+        ...simplifyOptions(run, open.document.summary),
         signal: recording.signal,
         onProgress: (fraction) => update((state) => transitions.recordingProgressed(state, fraction)),
       });
       const fewest = await open.document.level({ triangles: 1 });
       recording.signal.throwIfAborted();
-      const limit = fewest.blockers === null ? '' : describeBlockers(fewest.blockers);
-      update((state) => transitions.historyReady(state, fewest.triangles, limit));
+      if (open.stale) {
+        open.stale = false;
+        [open.written, open.failedKey, open.fitted] = [null, null, null];
+        update(transitions.historyReplaced);
+      }
+      update((state) => transitions.historyReady(state, fewest.triangles, fewest.blockers));
       open.reopened = false;
     } catch (error) {
       if (recording.signal.aborted) {
-        update((state) => transitions.recordingEnded(state, CANCELLED));
+        update((state) => transitions.recordingEnded(state, t('status.cancelledRecording')));
       } else if (isCurrent() && (await this.reopen(open, error))) {
         open.recording = null;
-        return this.record(open);
+        return this.record(open, again);
       } else {
         update((state) => transitions.recordingEnded(transitions.failed(state, describeError(error)), ''));
       }
@@ -315,40 +337,52 @@ export class Session {
   /** Does the next thing that is missing; false when nothing is. */
   private async step(): Promise<boolean> {
     const open = this.current;
-    const { model, outputFormat, quality } = this.store.value;
-    const encoding = encodingFor(outputFormat, this.store.value.encoding);
+    const now = this.store.value;
+    const { model, outputFormat, lods } = now;
+    const encoding = encodingFor(outputFormat, now.encoding);
     if (open === null || model === null || model.history.kind === 'recording') return false;
+    if (open.recorded !== null && open.recorded !== runKey(now.run)) return false;
     const wanted = model.wantedTriangles;
     const full = wanted === model.source.triangles;
     if (model.history.kind === 'none' && !full) return false;
     // The size shown is that of the level shown; only a download is worth another run.
-    const fit = this.filesWanted > 0 ? fitOfFile(model, quality, open.fitted) : (open.fitted ?? 'fast');
-    const key = wishKey(model, outputFormat, encoding, fit);
+    const fit = this.filesWanted > 0 ? fitOfFile(now, model, open.fitted) : (open.fitted ?? 'fast');
+    const key = wishKey(now, model, fit);
     if (open.failedKey === key) return false;
     try {
+      if (model.history.kind === 'ready' && (await this.reachGoal(open, now))) return true;
       if (model.shownFor !== wanted) {
         open.fitted = null;
         const level = await this.selectLevel(open, model);
         const geometry = full ? null : await open.document.geometry();
         if (this.current !== open) return true;
+        const counts = geometry && countMeshes(geometry);
         await this.view.setLevel(geometry);
         if (this.current !== open) return true;
-        this.store.update((state) => transitions.levelShown(state, level, wanted));
+        this.store.update((state) => transitions.levelShown(state, level, wanted, counts));
+        return true;
+      }
+      if (isChain(now) && open.fitted !== null) {
+        open.fitted = null;
+        this.store.update(transitions.levelStale);
         return true;
       }
       if (fit !== (open.fitted ?? 'fast')) {
         await this.fit(open, wanted, fit);
         return true;
       }
-      const measured = model.output?.wantedTriangles === wanted && model.output.format === outputFormat && model.output.encoding === encoding;
+      const measured = transitions.isOutputCurrent(now);
       if (open.written?.key === key || (measured && this.filesWanted === 0)) return false;
       if (this.filesWanted === 0 && ((await this.pause()) || this.current !== open)) return true;
       await this.selectLevel(open, model);
-      const { bytes, report } = await open.document.write(writeOptions(outputFormat, encoding));
+      const chain = isChain(now) && model.history.kind === 'ready';
+      const { bytes, report } = await open.document.write({ ...writeOptions(outputFormat, encoding), ...(chain ? { lods } : {}) });
       if (this.current !== open) return true;
+      // A change that came meanwhile asks for something else.
+      if (open.recorded !== null && open.recorded !== runKey(this.store.value.run)) return true;
       const loss = report.warnings.find((warning) => warning.code === 'not-carried');
       open.written = { key, bytes, loss: loss === undefined ? '' : ` ${loss.message}.` };
-      this.tellSize(bytes.byteLength, outputFormat, encoding, wanted);
+      this.tellSize(bytes.byteLength, report, { format: outputFormat, encoding, wantedTriangles: wanted, lods: isChain(now) ? lods : [] });
       return true;
     } catch (error) {
       if (this.current !== open) return true;
@@ -360,6 +394,32 @@ export class Session {
       this.store.update((state) => transitions.failed(state, describeError(error)));
       return true;
     }
+  }
+
+  /** Sets the slider where the goal wants it; true when there was something to do. */
+  private async reachGoal(open: OpenDocument, now: State): Promise<boolean> {
+    const key = goalKey(now);
+    if (open.reached === key) return false;
+    open.reached = key;
+    if (now.goal.kind === 'triangles') return false;
+    try {
+      const triangles = await this.findGoal(open, now, now.goal);
+      if (this.current !== open || goalKey(this.store.value) !== key) return true;
+      // Looking for it has selected other levels.
+      if (open.fitted !== null) this.store.update(transitions.levelStale);
+      open.fitted = null;
+      this.store.update((state) => transitions.goalReached(state, triangles));
+    } catch (error) {
+      open.reached = null;
+      throw error;
+    }
+    return true;
+  }
+
+  private async findGoal(open: OpenDocument, now: State, goal: Exclude<Goal, { kind: 'triangles' }>): Promise<number> {
+    if (goal.kind === 'error') return (await open.document.level({ error: `${goal.percent}%` })).triangles;
+    const { report } = await open.document.write({ ...writeOptions(now.outputFormat, encodingFor(now.outputFormat, now.encoding)), size: goal.bytes });
+    return report.output.triangles;
   }
 
   /** Sees to it that the document stands at the level that is wanted. */
@@ -376,21 +436,23 @@ export class Session {
     const { signal } = controller;
     open.fitting = { controller, wanted, quality };
     open.fitted = null;
-    open.measuring?.abort(new DOMException('Superseded.', 'AbortError'));
+    open.measuring?.abort(superseded());
     // Nobody is to measure meanwhile: the selected level changes at the end.
     this.store.update((state) => transitions.fittingStarted(transitions.levelStale(state)));
     try {
       const onProgress = (fraction: number): void => this.store.update((state) => transitions.fittingProgressed(state, fraction));
-      let level = await open.document.simplify({ triangles: wanted, preset: quality, keepLevels: true, signal, onProgress });
+      const options = simplifyOptions(this.store.value.run, open.document.summary);
+      let level = await open.document.simplify({ ...options, triangles: wanted, preset: quality, keepLevels: true, signal, onProgress });
       // Near the fewest there are, the history may go further than this run.
       if (level.triangles > wanted) level = await open.document.level({ triangles: wanted });
       const geometry = await open.document.geometry();
       if (this.current !== open) return;
+      const counts = countMeshes(geometry);
       await this.view.setLevel(geometry);
       signal.throwIfAborted();
       if (this.current !== open) return;
       open.fitted = quality;
-      this.store.update((state) => transitions.levelShown(state, level, wanted));
+      this.store.update((state) => transitions.levelShown(state, level, wanted, counts));
     } catch (error) {
       if (!signal.aborted) throw error;
     } finally {
@@ -399,8 +461,8 @@ export class Session {
     }
   }
 
-  private tellSize(bytes: number, format: OutputFormat, encoding: Encoding, wantedTriangles: number): void {
-    this.store.update((state) => transitions.outputMeasured(state, { format, encoding, wantedTriangles, bytes }));
+  private tellSize(bytes: number, report: Report, wish: Pick<transitions.Output, 'format' | 'encoding' | 'wantedTriangles' | 'lods'>): void {
+    this.store.update((state) => transitions.outputMeasured(state, { ...wish, bytes, parts: report.output.parts, levels: report.lods ?? [] }));
   }
 
   /** Waits until wishes settle; true when a new one came meanwhile. */
@@ -421,10 +483,12 @@ export class Session {
     this.wishChanged();
     for (;;) {
       signal.throwIfAborted();
-      const { model, outputFormat, encoding, quality } = this.store.value;
+      const now = this.store.value;
+      const { model } = now;
       if (this.current !== open || model === null) return null;
-      const key = wishKey(model, outputFormat, encodingFor(outputFormat, encoding), fitOfFile(model, quality, open.fitted));
-      if (open.written?.key === key) return open.written;
+      const key = wishKey(now, model, fitOfFile(now, model, open.fitted));
+      const sought = now.goal.kind !== 'triangles' && open.reached !== goalKey(now);
+      if (!sought && open.written?.key === key && open.recorded === runKey(now.run)) return open.written;
       const stopped = model.history.kind === 'none' && model.wantedTriangles !== model.source.triangles;
       if (stopped || open.failedKey === key) return null;
       await new Promise<void>((resolve) => {
@@ -440,14 +504,7 @@ export class Session {
   }
 }
 
-const wishKey = (model: Model, format: OutputFormat, encoding: Encoding, fit: Quality): string =>
-  `${model.wantedTriangles}.${format}.${encoding}.${fit}`;
-
-/** What a file is to be fitted with: at full detail there is nothing to fit, and `fast` takes what is shown. */
-const fitOfFile = (model: Model, quality: Quality, fitted: Quality | null): Quality => {
-  if (model.wantedTriangles === model.source.triangles) return 'fast';
-  return quality === 'fast' ? (fitted ?? 'fast') : quality;
-};
+const superseded = (): DOMException => new DOMException('Superseded.', 'AbortError');
 
 /** Resolves when the page has been painted with what it knows now, and soon where nothing is painted. */
 const afterNextPaint = (): Promise<void> =>
@@ -457,42 +514,8 @@ const afterNextPaint = (): Promise<void> =>
     setTimeout(resolve, 200);
   });
 
-// A file that cannot be had is left out: opening the model tells whether it can do without, and names the place.
-// `folder` is that of the file it is named in, from the model.
-async function fetchReference(reference: string, folder: string, address: URL, signal: AbortSignal): Promise<File[]> {
-  const beside = URL.parse(folder + reference.replaceAll('\\', '/'), address);
-  if (beside === null) return [];
-  try {
-    return [await fetchFile(beside, decodePath(folder + reference), { signal })];
-  } catch {
-    signal.throwIfAborted();
-    return [];
-  }
-}
-
 /** What the live region says of a measurement. */
 function describeDeviation({ max, mean, relativeTo }: { max: number; mean: number; relativeTo: number }): string {
   const share = (value: number): string => formatShare(relativeTo > 0 ? value / relativeTo : 0);
-  return `Measured: ${share(max)} of the diagonal at most, ${share(mean)} on average.`;
-}
-
-/** Any failure as a notice: ours keep their code and place, others are named as what they are. */
-export function describeError(error: unknown): Notice {
-  if (typeof error === 'object' && error !== null && 'code' in error && typeof error.code === 'string') {
-    return {
-      code: error.code,
-      message: 'message' in error ? String(error.message) : '',
-      where: 'where' in error && typeof error.where === 'string' ? error.where : '',
-    };
-  }
-  return { code: 'internal', message: error instanceof Error ? error.message : String(error), where: '' };
-}
-
-function save(blob: Blob, fileName: string): void {
-  const link = document.createElement('a');
-  link.href = URL.createObjectURL(blob);
-  link.download = fileName;
-  link.click();
-  // Some browsers read the blob only after the click has been handled.
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+  return t('status.measured', { max: share(max), mean: share(mean) });
 }

@@ -1,139 +1,50 @@
 // The page's one state value and the pure transitions between its values; nothing here fetches, draws or waits.
-import type { Compression, OutputFormat as PackageFormat, Preset } from 'decimesh/worker';
+import type { Blockers } from 'decimesh/worker';
+import type { BatchState } from './batch/batch_state.ts';
+import { DEFAULT_CHOICES, DEFAULT_RUN, isChain, runKey, withWishes } from './choices.ts';
+import type { Choices, Goal, RunSettings, Wish } from './choices.ts';
+import { encodingFor } from './encoding.ts';
 import type { Encoding } from './encoding.ts';
+import { isOutputFormat } from './formats.ts';
+import type { OutputFormat, Quality } from './formats.ts';
+import type { Language } from './messages/messages.ts';
+import type { Deviation, Level, Model, Notice, Output, Source, Step, Task } from './model.ts';
+import { NO_CONTENTS } from './preview/no-contents.ts';
+import type { EdgeCounts, Insets, ViewContents, ViewSettings } from './preview/protocol.ts';
 
-/** What the page saves: formats of one file. */
-export type OutputFormat = Exclude<PackageFormat, 'gltf'>;
-
-/** The formats that the page can download, and what it calls them. */
-export const FORMAT_NAMES: Readonly<Record<OutputFormat, string>> = { glb: 'GLB', obj: 'OBJ', ply: 'PLY', stl: 'STL', off: 'OFF', smf: 'SMF' };
-
-/** Whether `value` names a format that can be downloaded. */
-export const isOutputFormat = (value: string): value is OutputFormat => Object.hasOwn(FORMAT_NAMES, value);
-
-/** How good the level is that is downloaded. */
-export type Quality = Preset;
-
-/** The qualities as the page offers them. */
-export const QUALITIES: ReadonlyArray<{ readonly value: Quality; readonly name: string; readonly meaning: string }> = [
-  { value: 'fast', name: 'Fast', meaning: 'Downloads the level as it is shown, at once' },
-  { value: 'balanced', name: 'Balanced', meaning: 'Fits the level to the original before the download' },
-  { value: 'best', name: 'Best', meaning: 'Fits the level to the original as closely as it can before the download; takes longer' },
-];
-
-/** Something that went wrong, or a remark about a file, as the engine reports it. */
-export interface Notice {
-  /** Stable code, for example `gltf.index-out-of-range`. */
-  readonly code: string;
-  readonly message: string;
-  /** The place in the file or the argument; empty when there is none. */
-  readonly where: string;
-}
-
-/** What is known about a file when it has been opened. Lengths in model units. */
-export interface Source {
-  readonly format: string;
-  readonly compression: Compression;
-  readonly bytes: number;
-  readonly triangles: number;
-  readonly vertices: number;
-  readonly meshes: number;
-  /** Diagonal of the bounding box. */
-  readonly diagonal: number;
-}
-
-/** One level of detail that is on screen. */
-export interface Level {
-  readonly triangles: number;
-  readonly vertices: number;
-  /** Estimated deviation from the original in model units. */
-  readonly estimatedError: number;
-}
-
-/** How far the recording of the collapse history is; levels exist once it is `ready`. */
-export type History =
-  | { readonly kind: 'none' }
-  | { readonly kind: 'recording'; readonly fraction: number }
-  | { readonly kind: 'ready'; readonly fewestTriangles: number; /** Why there are no fewer, as part of a sentence; may be empty. */ readonly limit: string };
-
-/** Measured distances between the level and the original, in model units, both ways together. */
-export interface Deviation {
-  readonly max: number;
-  readonly mean: number;
-  readonly rms: number;
-  /** Diagonal of the original's bounding box. */
-  readonly relativeTo: number;
-}
-
-/** Whether the level that the slider asks for has been measured; another wish makes it `none` again. */
-export type Measurement =
-  | { readonly kind: 'none' }
-  | { readonly kind: 'running'; readonly fraction: number }
-  | { readonly kind: 'done'; readonly deviation: Deviation };
-
-/** The size of the file that Download would save, and what it was measured for. */
-export interface Output {
-  readonly format: OutputFormat;
-  readonly encoding: Encoding;
-  /** The wish whose level was written. */
-  readonly wantedTriangles: number;
-  readonly bytes: number;
-}
-
-/** The model on screen. */
-export interface Model {
-  /** Base name without extension; the download gets it. */
-  readonly name: string;
-  readonly credit: string;
-  readonly source: Source;
-  readonly warnings: readonly Notice[];
-  /** Names of the animations, in file order. */
-  readonly animations: readonly string[];
-  /** Whether it has been drawn yet. */
-  readonly drawn: boolean;
-  readonly history: History;
-  /** What the slider asks for. */
-  readonly wantedTriangles: number;
-  /** What is drawn; catches up with `wantedTriangles` as soon as the history allows. */
-  readonly shown: Level;
-  /** The wish that `shown` answers; its count may differ from the wish by a triangle or two. */
-  readonly shownFor: number;
-  readonly output: Output | null;
-  readonly measurement: Measurement;
-  readonly undo: readonly number[];
-  readonly redo: readonly number[];
-  /** The gesture of the last move: moves of one drag are undone together. */
-  readonly gesture: number;
-}
-
-/** Something that keeps the user waiting and can be cancelled. */
-export interface Task {
-  readonly kind: 'opening' | 'fitting' | 'writing';
-  readonly name: string;
-  /** 0..1, or null when unknown. */
-  readonly fraction: number | null;
-}
+export type * from './model.ts';
 
 /** How the model is shown. */
-export interface View {
-  readonly wireframe: boolean;
-  readonly playing: boolean;
-  readonly animation: number;
-  /** The original is shown while a key or button is held. */
-  readonly comparing: boolean;
+export interface View extends ViewSettings {
   readonly theme: 'system' | 'light' | 'dark';
 }
 
+/** What stands beside the model. */
+export type Sheet = 'options' | 'details';
+
 /** Everything the page shows. */
-export interface State {
+export interface State extends Choices {
   readonly model: Model | null;
   readonly task: Task | null;
   readonly notice: Notice | null;
-  readonly outputFormat: OutputFormat;
-  /** How the geometry is stored where the format has a choice. */
-  readonly encoding: Encoding;
-  readonly quality: Quality;
+  /** What the page's address asks for of the first model. */
+  readonly wish: Wish;
+  readonly sheet: Sheet | null;
+  readonly help: boolean;
+  /** Several files at once, in place of a model. */
+  readonly batch: BatchState | null;
+  readonly language: Language;
   readonly view: View;
+  /** What the model has to be looked at. */
+  readonly contents: ViewContents;
+  /** Of what is drawn, while the classes of edges are drawn. */
+  readonly edgeCounts: EdgeCounts | null;
+  /** The system asks for no motion. */
+  readonly reducedMotion: boolean;
+  /** What panels cover of the view. */
+  readonly insets: Insets;
+  /** A new version of the page is there and can be loaded. */
+  readonly updateOffered: boolean;
   /** A file is being dragged over the window. */
   readonly dragging: boolean;
   /** What the live region says when nothing is under way; set by the last event worth telling. */
@@ -143,6 +54,9 @@ export interface State {
 /** A triangle count that nobody wishes for. */
 const NO_WISH = -1;
 
+/** A gesture that nothing continues. */
+const NO_GESTURE = -1;
+
 /** Undo steps kept. */
 const UNDO_LIMIT = 200;
 
@@ -150,10 +64,31 @@ export const initialState: State = {
   model: null,
   task: null,
   notice: null,
-  outputFormat: 'glb',
-  encoding: 'none',
-  quality: 'balanced',
-  view: { wireframe: false, playing: true, animation: 0, comparing: false, theme: 'system' },
+  ...DEFAULT_CHOICES,
+  wish: {},
+  sheet: null,
+  help: false,
+  batch: null,
+  language: 'en',
+  view: {
+    surface: 'textured',
+    wireframe: false,
+    edgeClasses: false,
+    playing: true,
+    animation: 0,
+    comparing: false,
+    layout: 'single',
+    split: 0.5,
+    turntable: false,
+    lamp: 'view',
+    morphs: [],
+    theme: 'system',
+  },
+  contents: NO_CONTENTS,
+  edgeCounts: null,
+  reducedMotion: false,
+  insets: { top: 0, right: 0, bottom: 0, left: 0 },
+  updateOffered: false,
   dragging: false,
   remark: '',
 };
@@ -180,28 +115,54 @@ export const taskEnded = (state: State, remark = state.remark): State => ({ ...s
 /** A model replaces the one before it, at full detail, to be saved in its own format and compression; its history is recorded from now on. */
 export const modelOpened = (
   state: State,
-  opened: Pick<Model, 'name' | 'credit' | 'source' | 'warnings' | 'animations'>,
+  opened: Pick<Model, 'name' | 'credit' | 'source' | 'warnings' | 'animations'> & Partial<Pick<Model, 'fileName' | 'origin' | 'parts' | 'scene'>>,
 ): State => ({
   ...state,
+  ...withWishes({ ...choicesOf(state), goal: DEFAULT_CHOICES.goal, run: { ...state.run, kept: [] }, ...usualFor(opened.source) }, state.wish),
+  wish: {},
+  batch: null,
   task: null,
   notice: null,
   remark: '',
-  outputFormat: isOutputFormat(opened.source.format) ? opened.source.format : 'glb',
-  encoding: opened.source.compression,
-  view: { ...state.view, animation: 0, comparing: false },
+  view: { ...state.view, animation: 0, comparing: false, morphs: [] },
   model: {
+    fileName: `${opened.name}.${opened.source.format}`,
+    origin: null,
+    parts: null,
+    scene: [],
     ...opened,
+    meshTriangles: null,
     drawn: false,
     history: { kind: 'recording', fraction: 0 },
-    wantedTriangles: opened.source.triangles,
+    wantedTriangles: clamp(state.wish.triangles ?? Infinity, 1, opened.source.triangles),
     shown: { triangles: opened.source.triangles, vertices: opened.source.vertices, estimatedError: 0 },
     shownFor: opened.source.triangles,
     output: null,
     measurement: { kind: 'none' },
     undo: [],
     redo: [],
-    gesture: -1,
+    gesture: NO_GESTURE,
   },
+});
+
+/** How a model is saved when nobody chooses: as it came. */
+export const usualFor = (source: Source): Pick<Choices, 'outputFormat' | 'encoding'> => ({
+  outputFormat: isOutputFormat(source.format) ? source.format : 'glb',
+  encoding: source.compression,
+});
+
+/** The choices in `state` by themselves. */
+export const choicesOf = ({ goal, run, lods, outputFormat, encoding, quality }: State): Choices => ({ goal, run, lods, outputFormat, encoding, quality });
+
+/** Back to the start page, or to `batch`. */
+export const modelClosed = (state: State, batch: BatchState | null): State => ({
+  ...state,
+  model: null,
+  batch,
+  task: null,
+  notice: null,
+  sheet: null,
+  remark: '',
 });
 
 /** A failure is shown; the model that was there stays. */
@@ -223,16 +184,23 @@ export const recordingEnded = (state: State, remark: string): State => ({
   remark,
 });
 
-/** Levels down to `fewestTriangles` can be had, and no fewer because of `limit`; a wish for fewer becomes that. */
-export const historyReady = (state: State, fewestTriangles: number, limit = ''): State =>
+/** Levels down to `fewestTriangles` can be had, and no fewer because of `blockers`; a wish for fewer becomes that. */
+export const historyReady = (state: State, fewestTriangles: number, blockers: Blockers | null = null): State =>
   withModel({ ...state, remark: '' }, (model) => ({
     ...withWish(model, clamp(model.wantedTriangles, fewestTriangles, model.source.triangles)),
-    history: { kind: 'ready', fewestTriangles, limit },
+    history: { kind: 'ready', fewestTriangles, blockers },
   }));
 
 /** The level that answers the wish for `shownFor` triangles is on screen. */
-export const levelShown = (state: State, shown: Level, shownFor: number): State =>
-  withModel({ ...state, remark: '' }, (model) => ({ ...model, shown, shownFor }));
+export const levelShown = (state: State, shown: Level, shownFor: number, meshTriangles: Model['meshTriangles'] = null): State =>
+  withModel({ ...state, remark: '' }, (model) => ({ ...model, shown, shownFor, meshTriangles }));
+
+/** The slider goes where the goal wants it; that is no choice of its own. */
+export const goalReached = (state: State, triangles: number): State =>
+  withModel(state, (model) => withWish(model, clamp(triangles, fewestTriangles(model), model.source.triangles)));
+
+/** Another run has taken the place of the one that everything so far was made from. */
+export const historyReplaced = (state: State): State => withModel(levelStale(state), (model) => ({ ...model, output: null }));
 
 /** The level on screen is to be replaced, by one of the same count too; what was measured is of no use then. */
 export const levelStale = (state: State): State =>
@@ -253,7 +221,29 @@ export const modelDrawn = (state: State): State => withModel(state, (model) => (
 
 export const outputMeasured = (state: State, output: Output): State => withModel(state, (model) => ({ ...model, output }));
 
+/** Whether the size that is known is that of what Download would save. */
+export const isOutputCurrent = (state: State): boolean => {
+  const output = state.model?.output ?? null;
+  return (
+    output !== null &&
+    output.wantedTriangles === state.model?.wantedTriangles &&
+    output.format === state.outputFormat &&
+    output.encoding === encodingFor(state.outputFormat, state.encoding) &&
+    output.lods.join() === (isChain(state) ? state.lods.join() : '')
+  );
+};
+
 // --- measuring
+
+/** Without a measurement there is nothing to colour the surface by. */
+export const heatMapLeft = (state: State): State =>
+  state.view.surface === 'deviation' ? viewChanged(state, { surface: 'textured' }) : state;
+
+/** What the heat map is waiting for: the level that is to be measured, as a key; null when there is nothing to do. */
+export const heatMapWish = (state: State): string | null =>
+  state.model !== null && state.view.surface === 'deviation' && state.model.measurement.kind === 'none' && canMeasure(state.model)
+    ? `${state.model.name} ${state.model.shownFor}`
+    : null;
 
 /** Whether the level on screen can be measured now. */
 export const canMeasure = (model: Model): boolean => model.history.kind === 'ready' && isSettled(model);
@@ -273,49 +263,101 @@ export const measuringEnded = (state: State, deviation: Deviation | null, remark
 export const fewestTriangles = (model: Model): number =>
   model.history.kind === 'ready' ? model.history.fewestTriangles : Math.min(1, model.source.triangles);
 
+/** One more step that can be undone, before `change`; changes with the same `gesture` are one step. */
+const withStep = (state: State, gesture: number, change: (state: State, model: Model) => State): State => {
+  const { model } = state;
+  if (model === null) return state;
+  const undo = gesture !== NO_GESTURE && gesture === model.gesture ? model.undo : [...model.undo, stepOf(state, model)].slice(-UNDO_LIMIT);
+  return change(state, { ...model, undo, redo: [], gesture });
+};
+
+const stepOf = (state: State, { wantedTriangles }: Model): Step => ({ ...choicesOf(state), wantedTriangles });
+
 /** The slider asks for `triangles`; moves with the same `gesture` are one undo step. */
-export const targetMoved = (state: State, triangles: number, gesture: number): State =>
-  withModel(state, (model) => {
-    const wantedTriangles = clamp(Math.round(triangles), fewestTriangles(model), model.source.triangles);
-    if (!Number.isFinite(wantedTriangles) || wantedTriangles === model.wantedTriangles) return model;
-    const continues = gesture === model.gesture;
-    const undo = continues ? model.undo : [...model.undo, model.wantedTriangles].slice(-UNDO_LIMIT);
-    return { ...withWish(model, wantedTriangles), undo, redo: [], gesture };
-  });
+export const targetMoved = (state: State, triangles: number, gesture: number): State => {
+  if (state.model === null) return state;
+  const wanted = clamp(Math.round(triangles), fewestTriangles(state.model), state.model.source.triangles);
+  if (!Number.isFinite(wanted) || wanted === state.model.wantedTriangles) return state;
+  return withStep(state, gesture, (now, model) => ({ ...now, goal: DEFAULT_CHOICES.goal, model: withWish(model, wanted) }));
+};
 
-export const undone = (state: State): State =>
-  withModel(state, (model) => {
-    const wantedTriangles = model.undo.at(-1);
-    if (wantedTriangles === undefined) return model;
-    return {
-      ...withWish(model, Math.max(wantedTriangles, fewestTriangles(model))),
-      undo: model.undo.slice(0, -1),
-      redo: [...model.redo, model.wantedTriangles],
-      gesture: -1,
-    };
-  });
+/** Something else than the slider was changed; without a model there is nothing to undo it for. */
+export const chosen = (state: State, choice: Partial<Choices>): State => {
+  const names = Object.keys(choice) as Array<keyof Choices>;
+  if (names.every((name) => JSON.stringify(state[name]) === JSON.stringify(choice[name]))) return state;
+  if (state.model === null) return { ...state, ...choice };
+  return withStep(state, NO_GESTURE, (now, model) => ({ ...now, ...choice, model: { ...model, gesture: NO_GESTURE } }));
+};
 
-export const redone = (state: State): State =>
-  withModel(state, (model) => {
-    const wantedTriangles = model.redo.at(-1);
-    if (wantedTriangles === undefined) return model;
-    return {
-      ...withWish(model, Math.max(wantedTriangles, fewestTriangles(model))),
-      undo: [...model.undo, model.wantedTriangles],
-      redo: model.redo.slice(0, -1),
-      gesture: -1,
-    };
-  });
+/** Goes to `step`, a past or coming one, and leaves `undo` and `redo`. */
+const gone = (state: State, model: Model, step: Step, undo: readonly Step[], redo: readonly Step[]): State => {
+  const { wantedTriangles, ...choices } = step;
+  const same = runKey(choices.run) === runKey(state.run);
+  const wanted = same ? Math.max(wantedTriangles, fewestTriangles(model)) : wantedTriangles;
+  return { ...state, ...choices, model: { ...withWish(model, wanted), undo, redo, gesture: NO_GESTURE } };
+};
+
+export const undone = (state: State): State => {
+  const { model } = state;
+  const step = model?.undo.at(-1);
+  if (model === null || step === undefined) return state;
+  return gone(state, model, step, model.undo.slice(0, -1), [...model.redo, stepOf(state, model)]);
+};
+
+export const redone = (state: State): State => {
+  const { model } = state;
+  const step = model?.redo.at(-1);
+  if (model === null || step === undefined) return state;
+  return gone(state, model, step, [...model.undo, stepOf(state, model)], model.redo.slice(0, -1));
+};
 
 // --- the rest
 
-export const outputFormatChosen = (state: State, outputFormat: OutputFormat): State => ({ ...state, outputFormat });
+export const outputFormatChosen = (state: State, outputFormat: OutputFormat): State => chosen(state, { outputFormat });
 
-export const encodingChosen = (state: State, encoding: Encoding): State => ({ ...state, encoding });
+export const encodingChosen = (state: State, encoding: Encoding): State => chosen(state, { encoding });
 
-export const qualityChosen = (state: State, quality: Quality): State => ({ ...state, quality });
+export const qualityChosen = (state: State, quality: Quality): State => chosen(state, { quality });
+
+export const goalChosen = (state: State, goal: Goal): State => chosen(state, { goal });
+
+export const runChanged = (state: State, change: Partial<RunSettings>): State => chosen(state, { run: { ...state.run, ...change } });
+
+export const lodsChosen = (state: State, lods: readonly number[]): State => chosen(state, { lods });
+
+/** Everything but the slider and the format as it is without touching anything. */
+export const choicesReset = (state: State): State =>
+  chosen(state, { goal: DEFAULT_CHOICES.goal, run: DEFAULT_RUN, lods: [], quality: DEFAULT_CHOICES.quality });
+
+/** Shows `sheet`, or puts the one away that is shown. */
+export const sheetToggled = (state: State, sheet: Sheet | null): State => ({ ...state, sheet: state.sheet === sheet ? null : sheet });
+
+export const helpToggled = (state: State, help = !state.help): State => ({ ...state, help });
+
+export const batchChanged = (state: State, change: (batch: BatchState) => BatchState): State =>
+  state.batch === null ? state : { ...state, batch: change(state.batch) };
+
+/** The page speaks `language` now. */
+export const languageChanged = (state: State, language: Language): State => ({ ...state, language });
 
 export const viewChanged = (state: State, change: Partial<View>): State => ({ ...state, view: { ...state.view, ...change } });
+
+/** Another model is on its way to the screen: what it lacks is not shown any longer. */
+export const contentsChanged = (state: State, contents: ViewContents): State => ({
+  ...state,
+  contents,
+  view: state.view.surface === 'checker' && !contents.textureCoordinates ? { ...state.view, surface: 'textured' } : state.view,
+});
+
+export const edgesCounted = (state: State, edgeCounts: EdgeCounts | null): State => ({ ...state, edgeCounts });
+
+export const insetsChanged = (state: State, insets: Insets): State => ({ ...state, insets });
+
+/** Takes hold of morph target `index`, or lets go of it with null. */
+export const morphChanged = (state: State, index: number, weight: number | null): State =>
+  viewChanged(state, { morphs: state.contents.morphs.map((_, at) => (at === index ? weight : (state.view.morphs[at] ?? null))) });
+
+export const updateOffered = (state: State, offered: boolean): State => ({ ...state, updateOffered: offered });
 
 export const draggingChanged = (state: State, dragging: boolean): State =>
   state.dragging === dragging ? state : { ...state, dragging };
@@ -338,27 +380,6 @@ export const progress = (state: State): number | null => {
   if (state.task?.kind === 'opening' || state.task?.kind === 'fitting') return state.task.fraction;
   const history = state.model?.history;
   return history?.kind === 'recording' ? history.fraction : null;
-};
-
-const TASK_NAMES: Readonly<Record<Task['kind'], string>> = { opening: 'Opening', fitting: 'Fitting', writing: 'Writing' };
-
-/** The sentence of the live region. Progress is left to the progress bar, or it would be read out at every per cent. */
-export const statusText = (state: State): string => {
-  const { task, model } = state;
-  if (task !== null) return `${TASK_NAMES[task.kind]} ${task.name}…`;
-  if (model === null) return state.remark;
-  if (model.history.kind === 'recording') return `Simplifying ${model.name}…`;
-  const count = (triangles: number): string => triangles.toLocaleString('en');
-  if (model.history.kind === 'ready' && !isSettled(model)) return `Going to ${count(model.wantedTriangles)} triangles…`;
-  if (model.measurement.kind === 'running') return `Measuring ${model.name}…`;
-  if (state.remark !== '') return state.remark;
-  if (!model.drawn) return `Drawing ${model.name}…`;
-  if (model.history.kind === 'none') return `${model.name} is open.`;
-  const { fewestTriangles, limit } = model.history;
-  const why = limit !== '' && model.wantedTriangles === fewestTriangles ? ` No fewer are possible: ${limit}.` : '';
-  return model.shown.triangles === model.source.triangles
-    ? `Ready. ${count(model.source.triangles)} triangles.${why}`
-    : `Ready. Showing ${count(model.shown.triangles)} of ${count(model.source.triangles)} triangles.${why}`;
 };
 
 export const clamp = (value: number, low: number, high: number): number => Math.min(Math.max(value, low), high);

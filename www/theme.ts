@@ -29,8 +29,10 @@ export function applyTheme(theme: Theme): ViewTheme {
     // As above.
   }
   const dark = theme === 'dark' || (theme === 'system' && systemDark.matches);
-  const lines = getComputedStyle(root).getPropertyValue('--wire').trim() || '#000';
-  return { lines, lineOpacity: dark ? 0.15 : 0.26, shadowOpacity: dark ? 0.6 : 0.36 };
+  const style = getComputedStyle(root);
+  const colour = (name: string): string => style.getPropertyValue(name).trim() || '#000';
+  const edges = { border: colour('--edge-border'), seam: colour('--edge-seam'), nonManifold: colour('--edge-non-manifold') };
+  return { lines: colour('--wire'), edges, lineOpacity: dark ? 0.15 : 0.26, shadowOpacity: dark ? 0.6 : 0.36 };
 }
 
 /** Calls `act` when the system changes between dark and light. */

@@ -29,7 +29,7 @@ export { DecimeshError } from '../errors.js';
 export { COMPRESSIONS, OUTPUT_FORMATS, holdsEncodings, usualFormat } from '../formats.js';
 export { PRESETS, isPreset } from '../options.js';
 export type { Parts } from '../parts.js';
-export type { AttributeDeviation, Deviation, DeviationMap, Report, SideDeviation, WedgeSetDeviation } from '../report.js';
+export type { AttributeDeviation, Deviation, DeviationMap, Report, ReportedLod, SideDeviation, WedgeSetDeviation } from '../report.js';
 export type * from '../types.js';
 export type { Written };
 

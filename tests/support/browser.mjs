@@ -15,18 +15,18 @@ const BROWSER_ARGUMENTS = [
   '--no-first-run',
 ];
 
-/** Chromium from the environment variable CHROMIUM, or where Debian puts it. */
-export const launchBrowser = () =>
-  chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: BROWSER_ARGUMENTS });
+/** Chromium from the environment variable CHROMIUM, or where Debian puts it; `more` are further arguments for it. */
+export const launchBrowser = (more = []) =>
+  chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: [...BROWSER_ARGUMENTS, ...more] });
 
 /**
  * Serves the built page and starts a browser; resolves to `{ url, browser, close }`.
  *
- * `directory` (default: site/) is the built page.
+ * `directory` (default: site/) is the built page, `more` are arguments for the browser.
  */
-export async function startPage(directory = at('site')) {
+export async function startPage(directory = at('site'), more = []) {
   const server = await serve(directory, 0);
-  const browser = await launchBrowser().catch(async (error) => {
+  const browser = await launchBrowser(more).catch(async (error) => {
     await server.close();
     throw error;
   });

@@ -86,6 +86,12 @@ export class OrbitCamera {
     if (!this.eased) this.jump();
   }
 
+  /** Goes around the model by `angle`, in radians, at once. */
+  turn(angle: number): void {
+    this.now.around.theta += angle;
+    this.goal.around.theta += angle;
+  }
+
   /** Comes nearer to the goal by `milliseconds` of time; true while it is not there. */
   advance(milliseconds: number): boolean {
     const { now, goal } = this;

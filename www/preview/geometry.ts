@@ -44,6 +44,21 @@ export function levelGeometries(level: LevelGeometry, originals: ReadonlyArray<B
   });
 }
 
+/**
+ * Gives the geometries of a level, made by {@link levelGeometries}, the distances of their vertices from the original.
+ * Whether they fit: an array for each wedge set, a number for each of its vertices.
+ */
+export function addDeviation(geometries: readonly BufferGeometry[], wedgeSetOfGroup: readonly number[], wedgeSets: readonly Float32Array[]): boolean {
+  const attributes = wedgeSets.map((values) => new BufferAttribute(values, 1));
+  const fits = geometries.every((geometry, index) => geometry.getAttribute('position')?.count === attributes[wedgeSetOfGroup[index] ?? -1]?.count);
+  if (!fits) return false;
+  geometries.forEach((geometry, index) => {
+    const attribute = attributes[wedgeSetOfGroup[index] ?? -1];
+    if (attribute !== undefined) geometry.setAttribute('deviation', attribute);
+  });
+  return true;
+}
+
 interface SharedAttributes {
   readonly attributes: Map<string, BufferAttribute>;
   /** By three's name, then by index of the target. */
@@ -78,23 +93,4 @@ function addMorphTargets(geometry: BufferGeometry, shared: SharedAttributes, tar
     geometry.morphAttributes[name as 'position'] = Array.from({ length: targets }, (_, target) => given[target] ?? still);
   }
   geometry.morphTargetsRelative = true;
-}
-
-/** The edges of every triangle as pairs of vertices; shared edges come twice, which the screen does not mind. */
-export function edgeIndices(geometry: BufferGeometry): Uint32Array {
-  const index = geometry.index?.array;
-  const corners = index?.length ?? geometry.getAttribute('position').count;
-  const edges = new Uint32Array(corners * 2);
-  for (let corner = 0, edge = 0; corner + 2 < corners; corner += 3) {
-    const a = index?.[corner] ?? corner;
-    const b = index?.[corner + 1] ?? corner + 1;
-    const c = index?.[corner + 2] ?? corner + 2;
-    edges[edge++] = a;
-    edges[edge++] = b;
-    edges[edge++] = b;
-    edges[edge++] = c;
-    edges[edge++] = c;
-    edges[edge++] = a;
-  }
-  return edges;
 }

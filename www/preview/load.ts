@@ -8,6 +8,8 @@ import type { GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 export interface Part {
   readonly mesh: Mesh;
   readonly original: BufferGeometry;
+  /** The file's own. */
+  readonly material: Material | Material[];
 }
 
 /** A model that three can draw, and the way back from its objects to the file's primitives. */
@@ -18,12 +20,17 @@ export interface LoadedModel {
   readonly parts: Map<string, Part[]>;
   /** Bounds of the whole in its rest pose, in model units. */
   readonly bounds: Box3;
+  /** Whether no part has a material in the file. */
+  readonly unpainted: boolean;
 }
 
 export const partKey = (mesh: number, primitive: number): string => `${mesh}/${primitive}`;
 
+/** The mesh in a {@link partKey}. */
+export const meshOfPart = (key: string): string => key.slice(0, key.indexOf('/'));
+
 /** What an unpainted surface looks like: plain clay shows form better than three's default, a dull mirror. */
-const CLAY = new Color(0xcfc8bd);
+export const CLAY = new Color(0xcfc8bd);
 
 /** Vertices looked at when a skinned mesh is measured: its rest pose is not in its file's bounds. */
 const SKIN_SAMPLES = 2000;
@@ -51,13 +58,15 @@ export async function loadModel(bytes: Uint8Array): Promise<LoadedModel> {
     const key: unknown = object.userData[MARK];
     if (typeof key !== 'string') return;
     const list = parts.get(key) ?? [];
-    list.push({ mesh: object, original: object.geometry });
+    list.push({ mesh: object, original: object.geometry, material: object.material as Material | Material[] });
     parts.set(key, list);
   });
-  return { root, animations: gltf.animations, parts, bounds: sceneBounds(root) };
+  const unpainted = [...parts.values()].flat().every(({ mesh }) => mesh.userData[UNPAINTED] === true);
+  return { root, animations: gltf.animations, parts, bounds: sceneBounds(root), unpainted };
 }
 
 const MARK = 'decimeshPrimitive';
+const UNPAINTED = 'decimeshUnpainted';
 
 function markPrimitives<T extends Object3D>(object: T, mesh: number, parser: GLTFParser): T {
   const definition = (parser.json as { meshes: Array<{ primitives: Array<{ material?: number }> }> }).meshes[mesh];
@@ -65,6 +74,7 @@ function markPrimitives<T extends Object3D>(object: T, mesh: number, parser: GLT
   drawn.forEach((child, primitive) => {
     child.userData[MARK] = partKey(mesh, primitive);
     const unpainted = definition?.primitives[primitive]?.material === undefined;
+    child.userData[UNPAINTED] = unpainted;
     if (unpainted && child instanceof Mesh && child.material instanceof MeshStandardMaterial) {
       child.material.metalness = 0;
       child.material.roughness = 0.62;

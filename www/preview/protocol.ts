@@ -17,14 +17,56 @@ export interface ViewSize {
   readonly pixelRatio: number;
 }
 
+/**
+ * What the surface shows: the file's materials, plain clay, a pattern over the texture coordinates, directions, or the
+ * measured distance from the original.
+ */
+export type Surface = 'textured' | 'shaded' | 'checker' | 'normals' | 'deviation';
+
+/** How original and result are seen: one of them, both with a handle between them, or both side by side. */
+export type Layout = 'single' | 'split' | 'beside';
+
+/** Where the lamp is: over the viewer's shoulder, at a place beside the model, or on its way around it. */
+export type Lamp = 'view' | 'model' | 'turning';
+
 /** How the model is drawn. */
 export interface ViewSettings {
+  readonly surface: Surface;
   readonly wireframe: boolean;
+  /** Borders, seams and non-manifold edges are drawn over the surface. */
+  readonly edgeClasses: boolean;
   readonly playing: boolean;
   /** Index of the animation. */
   readonly animation: number;
-  /** The original is drawn instead of the level. */
+  /** The original alone is drawn instead of the level. */
   readonly comparing: boolean;
+  readonly layout: Layout;
+  /** Share of the free width that shows the original, 0..1, in the layout `split`. */
+  readonly split: number;
+  readonly turntable: boolean;
+  readonly lamp: Lamp;
+  /** Weight of each morph target of {@link ViewContents}; null or absent leaves it to the file and its animation. */
+  readonly morphs: ReadonlyArray<number | null>;
+}
+
+/** What a model has that the view can show. */
+export interface ViewContents {
+  /** Names, in file order. */
+  readonly animations: readonly string[];
+  /** Names of the morph targets, each once, with the weight that the file gives them. */
+  readonly morphs: ReadonlyArray<{ readonly name: string; readonly weight: number }>;
+  /** Whether any part has texture coordinates. */
+  readonly textureCoordinates: boolean;
+}
+
+/** Edges of the geometry on screen by class, each counted once. */
+export interface EdgeCounts {
+  /** Of one triangle alone. */
+  readonly border: number;
+  /** Of two triangles that meet in place but not in their attributes or material. */
+  readonly seam: number;
+  /** Of more than two triangles. */
+  readonly nonManifold: number;
 }
 
 /** Colours that CSS cannot reach. */
@@ -33,6 +75,8 @@ export interface ViewTheme {
   readonly lines: string;
   readonly lineOpacity: number;
   readonly shadowOpacity: number;
+  /** Of the classes of edges, as CSS writes them. */
+  readonly edges: Readonly<Record<keyof EdgeCounts, string>>;
 }
 
 /** A movement of the camera. Lengths in CSS pixels, positions from the view's top left. */
@@ -55,6 +99,11 @@ export type ViewRequest =
   | { readonly type: 'discard'; readonly id: number }
   /** Swaps the geometry of the model shown; null is the file's own. Answered by `drawn`. */
   | { readonly type: 'level'; readonly id: number; readonly geometry: LevelGeometry | null }
+  /**
+   * Distances from the original in model units, an array for each wedge set of the level shown, and the distance that
+   * has the last colour. For a level that is not shown any more it does nothing.
+   */
+  | { readonly type: 'deviation'; readonly wedgeSets: readonly Float32Array[]; readonly limit: number }
   | { readonly type: 'settings'; readonly settings: ViewSettings }
   | { readonly type: 'theme'; readonly theme: ViewTheme }
   | { readonly type: 'resize'; readonly size: ViewSize; readonly insets: Insets }
@@ -62,7 +111,9 @@ export type ViewRequest =
 
 /** From the view to the page. */
 export type ViewReply =
-  | { readonly type: 'loaded'; readonly id: number; readonly animations: readonly string[] }
+  | { readonly type: 'loaded'; readonly id: number; readonly contents: ViewContents }
+  /** The classes of edges of what is drawn now; null when they are not drawn. */
+  | { readonly type: 'edges'; readonly counts: EdgeCounts | null }
   /** The graphics card is done with the picture that was asked for. */
   | { readonly type: 'drawn'; readonly id: number }
   | { readonly type: 'failed'; readonly id: number | null; readonly message: string }

@@ -1,7 +1,8 @@
 // Serves a Viewer to requests, in a worker or on the page itself.
+import { contentsOf } from './contents.ts';
 import { disposeModel, loadModel } from './load.ts';
 import type { LoadedModel } from './load.ts';
-import type { ViewReply, ViewRequest } from './protocol.ts';
+import type { EdgeCounts, ViewReply, ViewRequest } from './protocol.ts';
 import { Viewer } from './viewer.ts';
 
 /** Makes a function that takes requests, in order; `reply` gets the answers. */
@@ -10,13 +11,19 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
   const loaded = new Map<number, LoadedModel>();
   const discarded = new Set<number>();
 
+  // Most levels have no edges drawn: that is told once.
+  let edgesTold = false;
+  const tellEdges = (counts: EdgeCounts | null): void => {
+    if (counts !== null || edgesTold) reply({ type: 'edges', counts });
+    edgesTold = counts !== null;
+  };
+
   const load = async (id: number, bytes: Uint8Array): Promise<void> => {
     try {
       const model = await loadModel(bytes);
       if (discarded.delete(id)) return disposeModel(model);
       loaded.set(id, model);
-      const animations = model.animations.map((clip, index) => clip.name || `Animation ${index + 1}`);
-      reply({ type: 'loaded', id, animations });
+      reply({ type: 'loaded', id, contents: contentsOf(model) });
     } catch (error) {
       if (!discarded.delete(id)) reply({ type: 'failed', id, message: messageOf(error) });
     }
@@ -49,6 +56,7 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
             {
               onContextLost: () => reply({ type: 'context-lost' }),
               onContextRestored: () => reply({ type: 'context-restored' }),
+              onEdges: tellEdges,
             },
             request.reducedMotion,
           );
@@ -69,6 +77,9 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
       case 'level':
         viewer?.setLevel(request.geometry);
         void replyDrawn(request.id);
+        break;
+      case 'deviation':
+        viewer?.setDeviation(request.wedgeSets, request.limit);
         break;
       case 'settings':
         viewer?.setSettings(request.settings);

@@ -1,6 +1,7 @@
 // The page's side of the 3D view: starts it, in a worker where the browser can draw there, and passes on what happens.
 import type { LevelGeometry } from 'decimesh';
-import type { CameraMove, Insets, ViewReply, ViewRequest, ViewSettings, ViewTheme } from './protocol.ts';
+import { NO_CONTENTS } from './no-contents.ts';
+import type { CameraMove, EdgeCounts, Insets, ViewContents, ViewReply, ViewRequest, ViewSettings, ViewTheme } from './protocol.ts';
 
 /** What the page is told. */
 export interface ViewEvents {
@@ -8,10 +9,16 @@ export interface ViewEvents {
   onUnavailable(reason: string): void;
   onContextLost(): void;
   onContextRestored(): void;
+  /** Another model is on its way to the screen. */
+  onContents(contents: ViewContents): void;
+  /** The classes of edges of what is drawn, when they are drawn; else null. */
+  onEdges(counts: EdgeCounts | null): void;
+  /** Pixels of the canvas that panels cover have changed. */
+  onInsets(insets: Insets): void;
 }
 
 interface Pending {
-  resolve(animations: readonly string[]): void;
+  resolve(contents: ViewContents): void;
   reject(reason: Error): void;
 }
 
@@ -31,7 +38,7 @@ export class View {
     this.canvas = canvas;
     this.events = events;
     this.start(reducedMotion);
-    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.watchSize();
     this.watchPixelRatio();
   }
 
@@ -39,13 +46,16 @@ export class View {
   async load(bytes: Uint8Array): Promise<PreparedModel> {
     if (this.unavailable) return { animations: [], show: () => Promise.resolve(), discard: () => {} };
     const id = (this.lastId += 1);
-    const animations = await new Promise<readonly string[]>((resolve, reject) => {
+    const contents = await new Promise<ViewContents>((resolve, reject) => {
       this.pending.set(id, { resolve, reject });
       this.post({ type: 'load', id, bytes }, [bytes.buffer as ArrayBuffer]);
     });
     return {
-      animations,
-      show: () => this.drawn((drawing) => this.post({ type: 'show', id: drawing, model: id })),
+      animations: contents.animations,
+      show: () => {
+        this.events.onContents(contents);
+        return this.drawn((drawing) => this.post({ type: 'show', id: drawing, model: id }));
+      },
       discard: () => this.post({ type: 'discard', id }),
     };
   }
@@ -63,8 +73,18 @@ export class View {
     return this.drawn((id) => this.post({ type: 'level', id, geometry }, buffers));
   }
 
-  setSettings({ wireframe, playing, animation, comparing }: ViewSettings): void {
-    this.post({ type: 'settings', settings: { wireframe, playing, animation, comparing } });
+  /** Tells how far each vertex of the level shown is from the original; the arrays are transferred. */
+  setDeviation(wedgeSets: readonly Float32Array[], limit: number): void {
+    const buffers = [...new Set(wedgeSets.map(({ buffer }) => buffer as ArrayBuffer))];
+    this.post({ type: 'deviation', wedgeSets, limit }, buffers);
+  }
+
+  setSettings(settings: ViewSettings): void {
+    const { surface, wireframe, edgeClasses, playing, animation, comparing, layout, split, turntable, lamp, morphs } = settings;
+    this.post({
+      type: 'settings',
+      settings: { surface, wireframe, edgeClasses, playing, animation, comparing, layout, split, turntable, lamp, morphs },
+    });
   }
 
   setTheme(theme: ViewTheme): void {
@@ -76,6 +96,7 @@ export class View {
     const { top, right, bottom, left } = this.insets;
     if (insets.top === top && insets.right === right && insets.bottom === bottom && insets.left === left) return;
     this.insets = insets;
+    this.events.onInsets(insets);
     this.resize();
   }
 
@@ -124,7 +145,7 @@ export class View {
   private receive(reply: ViewReply): void {
     switch (reply.type) {
       case 'loaded':
-        this.pending.get(reply.id)?.resolve(reply.animations);
+        this.pending.get(reply.id)?.resolve(reply.contents);
         this.pending.delete(reply.id);
         break;
       case 'drawn':
@@ -138,6 +159,9 @@ export class View {
           this.pending.delete(reply.id);
         }
         break;
+      case 'edges':
+        this.events.onEdges(reply.counts);
+        break;
       case 'context-lost':
         this.events.onContextLost();
         break;
@@ -149,7 +173,7 @@ export class View {
   private giveUp(reason: string): void {
     if (this.unavailable) return;
     this.unavailable = true;
-    for (const { resolve } of this.pending.values()) resolve([]);
+    for (const { resolve } of this.pending.values()) resolve(NO_CONTENTS);
     for (const resolve of this.drawing.values()) resolve();
     this.pending.clear();
     this.drawing.clear();
@@ -159,6 +183,17 @@ export class View {
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
     this.post({ type: 'resize', size: { width, height, pixelRatio: devicePixelRatio }, insets: this.insets });
+  }
+
+  private watchSize(): void {
+    const observer = new ResizeObserver(() => this.resize());
+    try {
+      // In pixels of the screen: another scale is another size, too.
+      observer.observe(this.canvas, { box: 'device-pixel-content-box' });
+    } catch {
+      // Safari knows CSS pixels only.
+      observer.observe(this.canvas);
+    }
   }
 
   private watchPixelRatio(): void {

@@ -1,25 +1,40 @@
 // The page as a function of its state: which parts are there and what their events mean.
 import { samples } from '../../samples/samples.ts';
 import type { Sample } from '../../samples/samples.ts';
-import { fewestTriangles, isBusy, isSettled, progress, statusText } from '../../state.ts';
-import { encodingFor } from '../../encoding.ts';
 import type { Encoding } from '../../encoding.ts';
-import type { Model, OutputFormat, Quality, State, View } from '../../state.ts';
+import type { OutputFormat, Quality } from '../../formats.ts';
+import { t } from '../../messages/messages.ts';
+import type { Language } from '../../messages/messages.ts';
+import { fewestTriangles, isBusy, isOutputCurrent, isSettled, progress } from '../../state.ts';
+import type { Model, Sheet as SheetName, State, View } from '../../state.ts';
+import { statusText } from '../../status.ts';
+import { Batch } from '../batch/batch.tsx';
+import type { BatchActions } from '../batch/batch.tsx';
+import { Compare } from '../compare/compare.tsx';
+import { Details } from '../details/details.tsx';
 import { Download } from '../download/download.tsx';
 import { DropHint, Landing } from '../drop-zone/drop-zone.tsx';
 import { FileChooser } from '../drop-zone/file-chooser.tsx';
+import { Help } from '../help/help.tsx';
+import { Icon } from '../icon/icon.tsx';
+import { Legend } from '../legend/legend.tsx';
 import { LodSlider } from '../lod-slider/lod-slider.tsx';
+import { LanguageChoice } from '../language-choice/language-choice.tsx';
 import { Logo } from '../logo/logo.tsx';
 import { MeshStats } from '../mesh-stats/mesh-stats.tsx';
 import { Notice } from '../notice/notice.tsx';
+import { Options } from '../options/options.tsx';
+import type { OptionsActions } from '../options/options.tsx';
 import { Progress } from '../progress/progress.tsx';
 import { Samples } from '../samples/samples.tsx';
+import { Sheet } from '../sheet/sheet.tsx';
 import { ThemeButton } from '../theme-button/theme-button.tsx';
 import { Toolbar } from '../toolbar/toolbar.tsx';
+import { UpdateOffer } from '../update-offer/update-offer.tsx';
 import './app.css';
 
 /** What the user can do; the wiring decides what it does. */
-export interface Actions {
+export interface Actions extends OptionsActions, BatchActions {
   openFiles(files: FileList): void;
   openSample(sample: Sample): void;
   cancel(): void;
@@ -29,11 +44,17 @@ export interface Actions {
   redo(): void;
   fit(): void;
   changeView(change: Partial<View>): void;
+  loadUpdate(): void;
+  declineUpdate(): void;
+  changeMorph(index: number, weight: number | null): void;
   chooseFormat(format: OutputFormat): void;
   chooseEncoding(encoding: Encoding): void;
   chooseQuality(quality: Quality): void;
+  toggleSheet(sheet: SheetName | null): void;
+  toggleHelp(shown: boolean): void;
   download(): void;
   measure(): void;
+  chooseLanguage(language: Language): void;
 }
 
 export function App({ state, actions }: { readonly state: State; readonly actions: Actions }) {
@@ -42,18 +63,24 @@ export function App({ state, actions }: { readonly state: State; readonly action
   return (
     <>
       <header class="top-bar">
-        <a class="brand" href="./" aria-label="Decimesh, start page">
+        <a class="brand" href="./" aria-label={t('start.home')}>
           <Logo />
           <span class="brand-name">decimesh</span>
         </a>
         {model !== null && <p class="model-name" title={model.credit || undefined}>{model.name}</p>}
         <div class="top-actions">
-          {model !== null && <FileChooser id="file" label="Open" onFiles={actions.openFiles} />}
+          {model !== null && <FileChooser id="file" label={t('start.open')} onFiles={actions.openFiles} />}
+          <LanguageChoice language={state.language} onLanguage={actions.chooseLanguage} />
+          <button type="button" class="quiet icon-button" aria-label={t('panel.help')} title={`${t('panel.help')} (?)`} onClick={() => actions.toggleHelp(true)}>
+            <Icon name="help" />
+          </button>
           <ThemeButton theme={view.theme} onTheme={(theme) => actions.changeView({ theme })} />
         </div>
       </header>
 
-      {model === null ? (
+      {state.batch !== null ? (
+        <Batch batch={state.batch} quality={state.quality} actions={actions} />
+      ) : model === null ? (
         <Landing onFiles={actions.openFiles}>
           <Samples samples={samples} onChoose={actions.openSample} />
         </Landing>
@@ -62,6 +89,7 @@ export function App({ state, actions }: { readonly state: State; readonly action
       )}
 
       <div class="messages">
+        {state.updateOffered && <UpdateOffer onLoad={actions.loadUpdate} onLater={actions.declineUpdate} />}
         {notice !== null && <Notice notice={notice} onDismiss={actions.dismiss} />}
         {model === null && isBusy(state) && (
           <div class="panel busy-panel">
@@ -71,6 +99,7 @@ export function App({ state, actions }: { readonly state: State; readonly action
         )}
       </div>
       {state.dragging && <DropHint />}
+      {state.help && <Help onClose={() => actions.toggleHelp(false)} />}
       <p class={model === null ? 'visually-hidden' : 'status'} role="status">{status}</p>
     </>
   );
@@ -78,27 +107,45 @@ export function App({ state, actions }: { readonly state: State; readonly action
 
 function ModelPanel({ state, model, actions }: { readonly state: State; readonly model: Model; readonly actions: Actions }) {
   const settled = isSettled(model);
-  const { output } = model;
-  const outputCurrent =
-    output !== null &&
-    output.wantedTriangles === model.wantedTriangles &&
-    output.format === state.outputFormat &&
-    output.encoding === encodingFor(state.outputFormat, state.encoding);
+  const outputCurrent = isOutputCurrent(state);
+  const sheets = { options: t('panel.options'), details: t('panel.details') };
   return (
     <main class="workspace">
+      <Compare
+        layout={state.view.layout}
+        split={state.view.split}
+        comparing={state.view.comparing}
+        insets={state.insets}
+        onSplit={(split) => actions.changeView({ split })}
+      />
+      <Legend
+        surface={state.view.surface}
+        edgeCounts={state.edgeCounts}
+        measurement={model.measurement}
+        diagonal={model.source.diagonal}
+      />
       <Toolbar
         view={state.view}
+        contents={state.contents}
+        insets={state.insets}
+        reducedMotion={state.reducedMotion}
         animations={model.animations}
         canUndo={model.undo.length > 0}
         canRedo={model.redo.length > 0}
         onFit={actions.fit}
         onView={actions.changeView}
+        onMorph={actions.changeMorph}
         onUndo={actions.undo}
         onRedo={actions.redo}
       />
+      {state.sheet !== null && (
+        <Sheet key={state.sheet} title={sheets[state.sheet]} bottom={state.insets.bottom} onClose={() => actions.toggleSheet(null)}>
+          {state.sheet === 'options' ? <Options state={state} model={model} actions={actions} /> : <Details model={model} outputCurrent={outputCurrent} />}
+        </Sheet>
+      )}
       <div class="dock" data-inset>
         {model.credit !== '' && <p class="credit">{model.credit}</p>}
-        <section class="panel model-panel" aria-label="Simplification">
+        <section class="panel model-panel" aria-label={t('panel.name')}>
           {isBusy(state) && <Progress fraction={progress(state)} label={statusText(state)} onCancel={actions.cancel} />}
           <LodSlider
             value={model.wantedTriangles}
@@ -106,7 +153,22 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
             all={model.source.triangles}
             pending={!settled}
             onChange={actions.moveTarget}
-          />
+          >
+            {(['details', 'options'] as const).map((sheet) => (
+              <button
+                key={sheet}
+                type="button"
+                class="quiet sheet-button"
+                aria-expanded={state.sheet === sheet}
+                title={`${sheets[sheet]} (${sheet === 'options' ? 'O' : 'I'})`}
+                onClick={() => actions.toggleSheet(sheet)}
+              >
+                <Icon name={sheet === 'options' ? 'sliders' : 'details'} />
+                <span>{sheets[sheet]}</span>
+                {sheet === 'details' && model.warnings.length > 0 && <span class="badge" title={t('remarks.title', { count: model.warnings.length })}>{model.warnings.length}</span>}
+              </button>
+            ))}
+          </LodSlider>
           <div class="panel-foot">
             <MeshStats
               model={model}
@@ -126,18 +188,6 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
               onDownload={actions.download}
             />
           </div>
-          {model.warnings.length > 0 && (
-            <details class="warnings">
-              <summary>{model.warnings.length === 1 ? '1 remark about this file' : `${model.warnings.length} remarks about this file`}</summary>
-              <ul>
-                {model.warnings.map((warning, index) => (
-                  <li key={index}>
-                    {warning.message} <code>{warning.where || warning.code}</code>
-                  </li>
-                ))}
-              </ul>
-            </details>
-          )}
         </section>
       </div>
     </main>

@@ -1,5 +1,6 @@
 // The landing: where a model goes in. While a file hangs over the window it covers everything, model or not.
 import type { ComponentChildren } from 'preact';
+import { t } from '../../messages/messages.ts';
 import { Logo } from '../logo/logo.tsx';
 import { FileChooser } from './file-chooser.tsx';
 import { MeshField } from './mesh-field.tsx';
@@ -17,13 +18,13 @@ export function Landing({ onFiles, children }: LandingProps) {
       <MeshField />
       <div class="landing-zone">
         <Logo size={56} />
-        <h1>Fewer triangles, same&nbsp;look</h1>
-        <p>Drop a 3D model anywhere on this page, or</p>
-        <FileChooser id="landing-file" label="Choose a model" primary onFiles={onFiles} />
-        <p class="landing-formats">GLB, OBJ, PLY, STL, OFF, SMF, or glTF with its files; also as a folder or ZIP.<br />Nothing leaves your device.</p>
+        <h1>{t('start.title')}</h1>
+        <p>{t('start.drop')}</p>
+        <FileChooser id="landing-file" label={t('start.choose')} primary onFiles={onFiles} />
+        <p class="landing-formats">{t('start.formats')}<br />{t('start.private')}</p>
       </div>
       <section aria-labelledby="samples-title">
-        <h2 id="samples-title">or try one of these</h2>
+        <h2 id="samples-title">{t('start.samples')}</h2>
         {children}
       </section>
     </main>
@@ -34,7 +35,7 @@ export function Landing({ onFiles, children }: LandingProps) {
 export function DropHint() {
   return (
     <div class="drop-hint" aria-hidden="true">
-      <p>Drop it here</p>
+      <p>{t('start.letGo')}</p>
     </div>
   );
 }

@@ -1,5 +1,6 @@
 // How far the level is from the original: the estimate that every level has, and the button that has it measured.
-import { formatLength, formatShare } from '../../format.ts';
+import { formatShare } from '../../format.ts';
+import { t } from '../../messages/messages.ts';
 import { canMeasure } from '../../state.ts';
 import type { Model } from '../../state.ts';
 import './error-figure.css';
@@ -20,14 +21,14 @@ export function ErrorFigure({ model, pending, onMeasure, onCancel }: ErrorFigure
     return (
       <div class="figure error-figure">
         <dt>
-          <abbr title="Distance between this mesh and the original, sampled both ways; relative to the bounding box’s diagonal">Measured error</abbr>
+          <abbr title={t('results.measured.meaning')}>{t('results.measured')}</abbr>
         </dt>
         <dd>
           <span class="after">
-            {share(max)} <small>at most</small>
+            {share(max)} <small>{t('results.atMost')}</small>
           </span>
           <span class="before">
-            mean {share(mean)} · rms {share(rms)}
+            {t('results.mean', { mean: share(mean), rms: share(rms) })}
           </span>
         </dd>
       </div>
@@ -36,12 +37,12 @@ export function ErrorFigure({ model, pending, onMeasure, onCancel }: ErrorFigure
   return (
     <div class={pending ? 'figure error-figure pending' : 'figure error-figure'}>
       <dt>
-        <abbr title="Estimated from the simplification itself, not measured; relative to the bounding box’s diagonal">Estimated error</abbr>
+        <abbr title={t('results.estimated.meaning')}>{t('results.estimated')}</abbr>
       </dt>
       <dd>
         <span class="after">{share(shown.estimatedError)}</span>
         <span class="before">
-          {measurement.kind === 'running' ? <Bar fraction={measurement.fraction} /> : <span class="units">{formatLength(shown.estimatedError)} units</span>}
+          {measurement.kind === 'running' ? <Bar fraction={measurement.fraction} /> : null}
           <Action running={measurement.kind === 'running'} possible={canMeasure(model)} onMeasure={onMeasure} onCancel={onCancel} />
         </span>
       </dd>
@@ -54,7 +55,7 @@ function Bar({ fraction }: { readonly fraction: number }) {
     <span
       class="progress-bar"
       role="progressbar"
-      aria-label="Measuring"
+      aria-label={t('results.measuring')}
       aria-valuemin={0}
       aria-valuemax={100}
       aria-valuenow={Math.floor(fraction * 100)}
@@ -78,10 +79,10 @@ function Action({ running, possible, onMeasure, onCancel }: ActionProps) {
       type="button"
       class="measure"
       disabled={!running && !possible}
-      aria-label={running ? 'Cancel measuring' : undefined}
+      aria-label={running ? t('results.cancelMeasuring') : undefined}
       onClick={running ? onCancel : onMeasure}
     >
-      {running ? 'Cancel' : 'Measure'}
+      {t(running ? 'panel.cancel' : 'results.measure')}
     </button>
   );
 }

@@ -1,17 +1,19 @@
 // The slider `Triangles`: its value is the count itself, its length is logarithmic.
+import type { ComponentChildren } from 'preact';
 import { useRef, useState } from 'preact/hooks';
 import { formatCount, formatShare } from '../../format.ts';
+import { t } from '../../messages/messages.ts';
 import { clamp } from '../../state.ts';
 import { positionOfTriangles, trianglesAtPosition } from './scale.ts';
 import './lod-slider.css';
 
 /** Shares of the original that can be chosen by a touch. */
-const MARKS = [1, 0.5, 0.25, 0.1, 0.01, 0.001];
+const MARKS = [1, 0.75, 0.5, 0.25, 0.1, 0.05];
+/** Counts that applications ask for: a hero of a game, a thing on a page, one of many. */
+const BUDGETS = [70_000, 32_000, 5000];
 /** Part of the scale that an arrow key and a page key move. */
 const ARROW_STEP = 0.01;
 const PAGE_STEP = 0.1;
-/** Marks nearer to each other than this part of the scale would touch on a telephone. */
-const CROWDED = 0.13;
 /** Width of the thumb; the scale runs between its centres at both ends. Same as in the style sheet. */
 const THUMB = 26;
 
@@ -23,16 +25,23 @@ interface LodSliderProps {
   readonly pending: boolean;
   /** `gesture` is the same for moves that belong together. */
   onChange(triangles: number, gesture: number): void;
+  /** What else stands in the slider's first line. */
+  readonly children?: ComponentChildren;
 }
 
 let lastGesture = 0;
 
-export function LodSlider({ value, fewest, all, pending, onChange }: LodSliderProps) {
+export function LodSlider({ value, fewest, all, pending, onChange, children }: LodSliderProps) {
   const gesture = useRef(0);
   const dragging = useRef(false);
   const position = positionOfTriangles(value, fewest, all);
   const startGesture = (): void => {
     gesture.current = lastGesture += 1;
+  };
+
+  const choose = (count: number): void => {
+    startGesture();
+    onChange(count, gesture.current);
   };
 
   const moveToPointer = (event: PointerEvent & { currentTarget: HTMLInputElement }): void => {
@@ -53,9 +62,10 @@ export function LodSlider({ value, fewest, all, pending, onChange }: LodSliderPr
   return (
     <div class="lod-slider">
       <div class="lod-head">
-        <label for="triangles">Triangles</label>
+        <label for="triangles">{t('slider.triangles')}</label>
         <CountField value={value} fewest={fewest} all={all} onCommit={(count) => { startGesture(); onChange(count, gesture.current); }} />
         <span class={pending ? 'lod-share pending' : 'lod-share'}>{formatShare(value / all)}</span>
+        {children}
       </div>
       <div class="lod-track" style={{ '--at': String(position) }}>
         <div class="lod-rail" aria-hidden="true" />
@@ -66,7 +76,7 @@ export function LodSlider({ value, fewest, all, pending, onChange }: LodSliderPr
           max={all}
           step={1}
           value={value}
-          aria-valuetext={`${formatCount(value)} of ${formatCount(all)} triangles, ${formatShare(value / all)}`}
+          aria-valuetext={t('slider.value', { wanted: value, all, share: formatShare(value / all) })}
           onPointerDown={(event) => {
             if (event.button !== 0) return;
             // The browser would put the thumb where a linear scale has it.
@@ -92,43 +102,33 @@ export function LodSlider({ value, fewest, all, pending, onChange }: LodSliderPr
         <div class="lod-thumb" aria-hidden="true" />
       </div>
       <div class="lod-marks">
-        {marksOf(fewest, all).map(({ share, count, at, crowded }) => (
-            <button
-              key={share}
-              type="button"
-              class={crowded ? 'crowded' : undefined}
-              style={{ '--at': String(at) }}
-              aria-label={`Keep ${share * 100} %`}
-              aria-pressed={count === value}
-              onClick={() => { startGesture(); onChange(count, gesture.current); }}
-            >
-              {share * 100}<span class="unit">%</span>
-            </button>
+        {MARKS.filter((share) => all * share >= Math.max(fewest, 3) || share === 1).map((share) => (
+          <Mark key={share} text={formatShare(share)} name={t('slider.keep', { share: formatShare(share) })} count={Math.round(all * share)} value={value} onChoose={choose} />
+        ))}
+        <span class="lod-marks-gap" />
+        {BUDGETS.filter((count) => count < all && count >= fewest).map((count) => (
+          <Mark key={count} text={`${count / 1000}k`} name={t('slider.budget', { count })} count={count} value={value} onChoose={choose} />
         ))}
       </div>
     </div>
   );
 }
 
-interface Mark {
-  readonly share: number;
+interface MarkProps {
+  readonly text: string;
+  readonly name: string;
   readonly count: number;
-  /** 0..1 along the scale. */
-  readonly at: number;
-  /** Too near to the one before for a narrow screen. */
-  readonly crowded: boolean;
+  readonly value: number;
+  onChoose(count: number): void;
 }
 
-/** The shares that make sense between `fewest` and `all`, from the right. */
-function marksOf(fewest: number, all: number): Mark[] {
-  let last = Infinity;
-  return MARKS.filter((share) => all * share >= Math.max(fewest * 1.5, 3) || share === 1).map((share) => {
-    const count = Math.round(all * share);
-    const at = positionOfTriangles(count, fewest, all);
-    const crowded = last - at < CROWDED;
-    if (!crowded) last = at;
-    return { share, count, at, crowded };
-  });
+/** A count that can be chosen by one touch. */
+function Mark({ text, name, count, value, onChoose }: MarkProps) {
+  return (
+    <button type="button" aria-label={name} title={name} aria-pressed={count === value} onClick={() => onChoose(count)}>
+      {text}
+    </button>
+  );
 }
 
 function keyTarget(event: KeyboardEvent, value: number, position: number, fewest: number, all: number): number | undefined {
@@ -181,7 +181,7 @@ function CountField({ value, fewest, all, onCommit }: CountFieldProps) {
       type="text"
       inputMode="numeric"
       autocomplete="off"
-      aria-label="Exact triangle count"
+      aria-label={t('slider.exact')}
       style={{ '--digits': String(Math.max(shown.length, 1)) }}
       value={shown}
       onFocus={(event) => event.currentTarget.select()}

@@ -1,6 +1,7 @@
 // What the file was and what it has become: counts, size and error, side by side.
 import type { ComponentChildren } from 'preact';
 import { formatBytes, formatCount, formatShare } from '../../format.ts';
+import { t } from '../../messages/messages.ts';
 import type { Model } from '../../state.ts';
 import { ErrorFigure } from '../error-figure/error-figure.tsx';
 import './mesh-stats.css';
@@ -19,10 +20,10 @@ export function MeshStats({ model, pending, outputCurrent, onMeasure, onCancel }
   const { source, shown, output } = model;
   return (
     <dl class="mesh-stats">
-      <Figure name="Triangles" before={formatCount(source.triangles)} after={formatCount(shown.triangles)} change={shown.triangles / source.triangles} pending={pending} />
-      <Figure name="Vertices" before={formatCount(source.vertices)} after={formatCount(shown.vertices)} change={shown.vertices / source.vertices} pending={pending} />
+      <Figure name={t('results.triangles')} before={formatCount(source.triangles)} after={formatCount(shown.triangles)} change={shown.triangles / source.triangles} pending={pending} />
+      <Figure name={t('results.vertices')} before={formatCount(source.vertices)} after={formatCount(shown.vertices)} change={shown.vertices / source.vertices} pending={pending} />
       <Figure
-        name="File size"
+        name={t('results.size')}
         before={formatBytes(source.bytes)}
         after={output === null ? '…' : formatBytes(output.bytes)}
         change={output === null ? null : output.bytes / source.bytes}
@@ -49,7 +50,7 @@ function Figure({ name, before, after, change, pending }: FigureProps) {
       <dd>
         <span class="after">{after}</span>
         <span class="before">
-          of {before}
+          {t('results.of', { before })}
           {change !== null && <span class="change"> · {formatShare(change)}</span>}
         </span>
       </dd>

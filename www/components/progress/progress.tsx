@@ -1,4 +1,5 @@
 // How far the work is, and the button that stops it.
+import { t } from '../../messages/messages.ts';
 import './progress.css';
 
 interface ProgressProps {
@@ -22,8 +23,8 @@ export function Progress({ fraction, label, onCancel }: ProgressProps) {
       >
         <div style={{ transform: `scaleX(${fraction ?? 0.3})` }} />
       </div>
-      <span class="progress-figure" aria-hidden="true">{percent === null ? '' : `${percent} %`}</span>
-      <button type="button" class="quiet" onClick={onCancel}>Cancel</button>
+      <span class="progress-figure" aria-hidden="true">{percent === null ? '' : t('figure.percent', { value: percent })}</span>
+      <button type="button" class="quiet" onClick={onCancel}>{t('panel.cancel')}</button>
     </div>
   );
 }

@@ -1,6 +1,7 @@
 // The choice of how good the downloaded level is: three radio buttons that look like one control.
-import { QUALITIES } from '../../state.ts';
-import type { Quality as QualityName } from '../../state.ts';
+import { t } from '../../messages/messages.ts';
+import { QUALITIES } from '../../formats.ts';
+import type { Quality as QualityName } from '../../formats.ts';
 import './quality.css';
 
 interface QualityProps {
@@ -11,10 +12,10 @@ interface QualityProps {
 export function Quality({ quality, onQuality }: QualityProps) {
   return (
     <fieldset class="quality">
-      <legend>Quality</legend>
+      <legend>{t('quality.name')}</legend>
       <div class="quality-choices">
-        {QUALITIES.map(({ value, name, meaning }) => (
-          <label key={value} title={meaning}>
+        {QUALITIES.map((value) => (
+          <label key={value} title={t(`quality.${value}.meaning`)}>
             <input
               type="radio"
               name="quality"
@@ -23,8 +24,8 @@ export function Quality({ quality, onQuality }: QualityProps) {
               aria-describedby={`quality-${value}`}
               onChange={() => onQuality(value)}
             />
-            <span>{name}</span>
-            <span id={`quality-${value}`} class="visually-hidden" aria-hidden="true">{meaning}</span>
+            <span>{t(`quality.${value}`)}</span>
+            <span id={`quality-${value}`} class="visually-hidden" aria-hidden="true">{t(`quality.${value}.meaning`)}</span>
           </label>
         ))}
       </div>

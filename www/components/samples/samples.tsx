@@ -1,6 +1,6 @@
 // The sample models as buttons, with their pictures.
 import type { Sample } from '../../samples/samples.ts';
-import { formatCount } from '../../format.ts';
+import { t } from '../../messages/messages.ts';
 import './samples.css';
 
 interface SamplesProps {
@@ -16,7 +16,7 @@ export function Samples({ samples, onChoose }: SamplesProps) {
           <button type="button" onClick={() => onChoose(sample)}>
             <img src={sample.picture} alt="" width={96} height={96} />
             <span class="sample-name">{sample.name}</span>
-            <span class="sample-count">{formatCount(sample.triangles)} triangles</span>
+            <span class="sample-count">{t('sample.triangles', { count: sample.triangles })}</span>
           </button>
         </li>
       ))}

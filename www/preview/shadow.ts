@@ -1,18 +1,5 @@
-// Image-based light from a small drawn room, and the soft shadow under the model: no picture files needed.
-import { DataTexture, LinearFilter, Mesh, MeshBasicMaterial, PlaneGeometry, PMREMGenerator } from 'three';
-import type { WebGLRenderTarget, WebGLRenderer } from 'three';
-import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
-
-/** The room as light; the caller disposes of it, and makes a new one after a lost context. */
-export function roomLight(renderer: WebGLRenderer): Pick<WebGLRenderTarget, 'texture' | 'dispose'> {
-  const generator = new PMREMGenerator(renderer);
-  const room = new RoomEnvironment();
-  // Half of the usual size: filtering it is most of the time from opening the page to the first picture.
-  const light = generator.fromScene(room, 0.03, 0.1, 100, { size: 128 });
-  room.dispose();
-  generator.dispose();
-  return light;
-}
+// The soft shadow under the model: no picture files needed.
+import { DataTexture, LinearFilter, Mesh, MeshBasicMaterial, PlaneGeometry } from 'three';
 
 /** A round, soft shadow of diameter 1 lying in the plane y = 0, visible from above only. */
 export function softShadow(): Mesh<PlaneGeometry, MeshBasicMaterial> {

@@ -1,0 +1,79 @@
+// Several files at once: a queue with a result for each, one zip, and one bad file that does not stop the rest.
+import { readFileSync } from 'node:fs';
+import { unzipSync } from 'fflate';
+import type { Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import { openDocument } from 'decimesh';
+import { at } from '../scripts/project.mjs';
+import { dropFiles, startPage } from './support/browser.mjs';
+import { hills, plyOf } from './support/meshes.ts';
+import { LONG, openPanelPage, type PanelPage } from './support/panel_page.ts';
+
+const fixture = (...path: string[]): Buffer => readFileSync(at('tests', 'fixtures', ...path));
+const plate = (size: number): Uint8Array => plyOf(hills(size));
+
+let served: Awaited<ReturnType<typeof startPage>>;
+let page: Page;
+let problems: string[];
+let status: PanelPage['status'];
+
+beforeAll(async () => {
+  served = await startPage();
+});
+afterAll(() => served?.close());
+afterEach(async () => {
+  await page.context().close();
+  expect(problems).toEqual([]);
+});
+
+const open = async (): Promise<void> => {
+  ({ page, problems, status } = await openPanelPage(served.browser, served.url));
+};
+const items = () => page.getByRole('list', { name: 'Several models' }).getByRole('listitem');
+
+describe('a queue', () => {
+  it('is worked through by keyboard, tells of each model, and gives one zip', async () => {
+    await open();
+    await dropFiles(page, [
+      { name: 'a.ply', bytes: plate(20) },
+      { name: 'bad.glb', bytes: Buffer.from('no model') },
+      { name: '18_variants.gltf', bytes: fixture('gltf', '18_variants', '18_variants.gltf') },
+      { name: '18_variants.bin', bytes: fixture('gltf', '18_variants', '18_variants.bin') },
+      { name: 'A.ply', bytes: plate(30) },
+    ]);
+    await page.getByRole('heading', { level: 1, name: '4 models' }).waitFor();
+    await page.getByRole('radio', { name: '25 %' }).check();
+    await page.getByRole('button', { name: 'Simplify all' }).focus();
+    await page.keyboard.press('Enter');
+    await status(/^Done: 3 simplified, 1 failed\.$/);
+    expect(await items().count()).toBe(4);
+    expect(await items().nth(0).innerText()).toMatch(/a\.ply[\s\S]*800 to 1\d\d|200/);
+    expect(await items().nth(1).innerText()).toContain('unknown-format');
+    const [saved] = await Promise.all([page.waitForEvent('download', LONG), page.getByRole('button', { name: 'Download ZIP' }).click()]);
+    expect(saved.suggestedFilename()).toBe('decimesh.zip');
+    const files = unzipSync(new Uint8Array(readFileSync(await saved.path())));
+    expect(Object.keys(files).sort()).toEqual(['18_variants.glb', 'A-2.ply', 'a.ply']);
+    using small = await openDocument(files['a.ply'] as Uint8Array);
+    expect(small.summary.triangles).toBeLessThanOrEqual(200);
+    expect(small.summary.triangles).toBeGreaterThan(150);
+    await page.getByRole('button', { name: 'Close the queue' }).click();
+    await page.getByLabel('Choose a model').waitFor({ state: 'attached' });
+  });
+
+  it('can be cancelled, keeps what was done, and makes room for one model', async () => {
+    await open();
+    await dropFiles(page, [{ name: 'small.ply', bytes: plate(10) }, { name: 'large.ply', bytes: plate(500) }, { name: 'last.ply', bytes: plate(10) }]);
+    await page.getByRole('button', { name: 'Simplify all' }).click();
+    await items().nth(0).filter({ hasText: /%/ }).waitFor();
+    await items().nth(1).filter({ hasText: 'simplifying' }).waitFor();
+    await page.keyboard.press('Escape');
+    await status(/^Cancelled/);
+    expect(await items().nth(2).innerText()).toContain('cancelled');
+    const [saved] = await Promise.all([page.waitForEvent('download', LONG), page.getByRole('button', { name: 'Download ZIP' }).click()]);
+    expect(Object.keys(unzipSync(new Uint8Array(readFileSync(await saved.path()))))).toEqual(['small.ply']);
+    await dropFiles(page, [{ name: 'one.ply', bytes: plate(10) }]);
+    await status(/^Ready|^Drawing/);
+    expect(await page.title()).toContain('one');
+    expect(await items().count()).toBe(0);
+  });
+});

@@ -1,0 +1,56 @@
+// A number to be typed, with its unit: it counts at Enter or when the field is left, and may be emptied.
+import { useState } from 'preact/hooks';
+import { currentLanguage } from '../../messages/messages.ts';
+import { readNumber } from '../../format.ts';
+import './number-field.css';
+
+interface NumberFieldProps {
+  readonly id: string;
+  readonly label: string;
+  readonly unit: string;
+  /** Null: the field is empty. */
+  readonly value: number | null;
+  readonly low: number;
+  readonly high: number;
+  /** Null: it was emptied. What is no number, or out of bounds, is not told. */
+  onCommit(value: number | null): void;
+}
+
+export function NumberField({ id, label, unit, value, low, high, onCommit }: NumberFieldProps) {
+  const [draft, setDraft] = useState<string | null>(null);
+  const commit = (): void => {
+    if (draft === null) return;
+    setDraft(null);
+    const typed = readNumber(draft);
+    if (draft.trim() === '') {
+      if (value !== null) onCommit(null);
+    } else if (typed !== null && typed >= low && typed <= high && typed !== value) onCommit(typed);
+  };
+  const shown = draft ?? (value === null ? '' : value.toLocaleString(currentLanguage(), { maximumSignificantDigits: 6, useGrouping: false }));
+  return (
+    <span class="number-field">
+      <label for={id}>{label}</label>
+      <span class="number-field-box">
+        <input
+          id={id}
+          type="text"
+          inputMode="decimal"
+          autocomplete="off"
+          value={shown}
+          placeholder="–"
+          onFocus={(event) => event.currentTarget.select()}
+          onInput={(event) => setDraft(event.currentTarget.value)}
+          onBlur={commit}
+          onKeyDown={(event) => {
+            if (event.key === 'Enter') commit();
+            if (event.key === 'Escape' && draft !== null) {
+              event.stopPropagation();
+              setDraft(null);
+            }
+          }}
+        />
+        <span class="number-field-unit">{unit}</span>
+      </span>
+    </span>
+  );
+}
