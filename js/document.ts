@@ -390,11 +390,11 @@ export class Document {
     }
     const chain = [...levels.values()].sort((a, b) => b.level.triangles - a.level.triangles);
     const coverages = screenCoverages(chain.map(({ level }) => level.estimatedError), this.summary.diagonal, lodSwitch);
-    const files: Uint8Array[] = [];
+    const files: Uint8Array<ArrayBuffer>[] = [];
     // The first one last: it stays selected.
     for (const { targets: target } of [...chain].reverse()) {
       await this.level(target);
-      files.unshift(this.#model.call((model) => model.write('glb')));
+      files.unshift(this.#model.call((model) => model.write('glb')) as Uint8Array<ArrayBuffer>);
     }
     const lods = chain.map(({ level }, index) => ({
       triangles: level.triangles,

@@ -1,6 +1,6 @@
 // The conversation with the worker: opens files, records the history, and keeps what is shown in step with what is
 // wanted. Only the latest wish counts: one request is under way, and what was asked for meanwhile is read when it ends.
-import { describeBlockers } from 'decimesh/worker';
+import { DecimeshError, describeBlockers } from 'decimesh/worker';
 import type { DocumentProxy, WorkerClient } from 'decimesh/worker';
 import { baseName, decodePath, fetchFile, modelFile } from './files.ts';
 import { formatShare } from './format.ts';
@@ -209,6 +209,9 @@ export class Session {
     const document = await this.client.openDocument(files, { signal, onProgress });
     try {
       signal.throwIfAborted();
+      const none = document.summary.warnings.find(({ code }) => code === 'no-triangles');
+      // The library passes it through; here there would be nothing to see or to choose.
+      if (none !== undefined) throw new DecimeshError('no-triangles', none.message, none.where);
       const { bytes } = await document.write({ format: 'glb', compress: 'none' });
       signal.throwIfAborted();
       // The view takes the bytes over.

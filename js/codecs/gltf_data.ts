@@ -1,7 +1,6 @@
 // A GLB taken apart for the encoders: its tree, and the bytes of each buffer view on its own.
 
-import { DecimeshError } from '../errors.js';
-import { buildGlb, encodeTree, splitContainer, textOf } from './container.js';
+import { buildGlb, encodeTree, parseGlb } from './container.js';
 import {
   COMPONENT_ARRAYS,
   arrayAt,
@@ -51,11 +50,8 @@ export class GltfData {
 
   /** Takes apart a GLB of one buffer, as the engine writes it. */
   constructor(glb: Uint8Array) {
-    const container = splitContainer(glb);
-    const text = container && textOf(container);
-    if (container === undefined || text === undefined) throw new DecimeshError('too-large', 'the JSON is too large to be encoded', 'output');
-    this.tree = JSON.parse(text) as Tree;
-    const binary = container.binary ?? new Uint8Array();
+    const { json, binary } = parseGlb(glb);
+    this.tree = json;
     for (const view of objects(this.tree, 'bufferViews')) {
       const offset = uint(view['byteOffset']) ?? 0;
       this.views.push(binary.subarray(offset, offset + (uint(view['byteLength']) ?? 0)));
@@ -198,11 +194,14 @@ export class GltfData {
       pieces.push(stored, new Uint8Array((8 - (stored.length % 8)) % 8));
       length += Math.ceil(stored.length / 8) * 8;
     }
-    const buffers = arrayAt(this.tree, 'buffers');
-    buffers.length = 0;
-    if (length > 0) buffers.push({ byteLength: length });
-    else delete this.tree['buffers'];
+    // Everything is in the first now. The others stay for what they say of themselves.
+    const [first, ...others] = objects(this.tree, 'buffers');
+    const buffers: Tree[] = length > 0 ? [{ ...first, byteLength: length }] : first === undefined ? [] : [first];
+    if (length > 0) delete buffers[0]?.['uri'];
     if (packed.size > 0) buffers.push({ byteLength: unpacked, extensions: { [extension]: { fallback: true } } });
+    buffers.push(...others);
+    if (buffers.length > 0) this.tree['buffers'] = buffers;
+    else delete this.tree['buffers'];
     if (views.length === 0) delete this.tree['bufferViews'];
     return buildGlb(encodeTree(this.tree), pieces);
   }
