@@ -1,7 +1,7 @@
 // The accessors of coarser levels: read out of their files, shared with the first where they are the same, or added to it.
 
 import type { Glb } from './codecs/container.js';
-import { COMPONENT_ARRAYS, componentTypeOf, componentsOf, type Tree } from './codecs/tree.js';
+import { COMPONENT_ARRAYS, componentTypeOf, componentsOf, sparseRows, type Tree } from './codecs/tree.js';
 
 const ARRAY_BUFFER = 34962;
 const ELEMENT_ARRAY_BUFFER = 34963;
@@ -73,7 +73,7 @@ export class Geometry {
         .map(([name, accessor]) => ({ name: `${index}/${name}`, json: accessors[accessor as number] as Tree })),
     );
     const count = columns[0]?.json['count'] as number | undefined;
-    if (count === undefined || columns.some(({ json }) => json['sparse'] !== undefined || json['count'] !== count)) return undefined;
+    if (count === undefined || columns.some(({ json }) => json['count'] !== count)) return undefined;
     const sizes = columns.map(({ json }) => Math.ceil(elementSize(json) / 4));
     const size = sizes.reduce((sum, own) => sum + own, 0);
     const words = new Uint32Array(count * size);
@@ -126,7 +126,8 @@ export class Geometry {
     delete json['bufferView'];
     delete json['byteOffset'];
     if (accessor['bufferView'] === undefined) {
-      // Zeros have no bytes.
+      // Zeros have no bytes, nor all but a few of them.
+      if (accessor['sparse'] !== undefined) json['sparse'] = this.#copySparse(level, accessor);
       this.#accessors.push(json);
       return this.#accessors.length - 1;
     }
@@ -135,21 +136,29 @@ export class Geometry {
     return this.#add(json, bytes, target, isVertices ? stride : 0);
   }
 
+  #copySparse(level: Glb, accessor: Tree): Tree {
+    const { count, indices, values } = accessor['sparse'] as { count: number; indices: Tree; values: Tree };
+    const copy = (part: Tree, size: number): Tree => {
+      const start = startOf(level, part);
+      return { ...part, bufferView: this.#addView(level.binary.slice(start, start + count * size)), byteOffset: 0 };
+    };
+    return { count, indices: copy(indices, componentSize(indices)), values: copy(values, elementSize(accessor)) };
+  }
+
   #add(json: Tree, bytes: Uint8Array, target: number, stride: number): number {
+    const bufferView = this.#addView(bytes, { ...(stride > 0 ? { byteStride: stride } : {}), target });
+    this.#accessors.push({ bufferView, ...json });
+    return this.#accessors.length - 1;
+  }
+
+  #addView(bytes: Uint8Array, properties: Tree = {}): number {
     const padding = (4 - (this.#length % 4)) % 4;
     if (padding > 0) this.#parts.push(new Uint8Array(padding));
     this.#length += padding;
-    this.#views.push({
-      buffer: 0,
-      byteOffset: this.#length,
-      byteLength: bytes.byteLength,
-      ...(stride > 0 ? { byteStride: stride } : {}),
-      target,
-    });
+    this.#views.push({ buffer: 0, byteOffset: this.#length, byteLength: bytes.byteLength, ...properties });
     this.#parts.push(bytes);
     this.#length += bytes.byteLength;
-    this.#accessors.push({ bufferView: this.#views.length - 1, ...json });
-    return this.#accessors.length - 1;
+    return this.#views.length - 1;
   }
 }
 
@@ -209,23 +218,31 @@ function elementSize(accessor: Tree): number {
 }
 
 /** A copy of the elements of an accessor, each padded to a multiple of `align` bytes. */
-function elementsOf({ json: tree, binary }: Glb, accessor: Tree, align = 1): { bytes: Uint8Array; stride: number } {
+function elementsOf(file: Glb, accessor: Tree, align = 1): { bytes: Uint8Array; stride: number } {
   const size = elementSize(accessor);
   const stride = Math.ceil(size / align) * align;
   const count = accessor['count'] as number;
   const bytes = new Uint8Array(count * stride);
-  const { bufferView, byteOffset = 0 } = accessor;
-  if (bufferView === undefined) return { bytes, stride };
-  const view = (tree['bufferViews'] as Tree[])[bufferView as number] as Tree;
-  const start = ((view['byteOffset'] ?? 0) as number) + (byteOffset as number);
-  const step = (view['byteStride'] ?? size) as number;
-  if (step === stride) {
-    bytes.set(binary.subarray(start, start + count * stride - (stride - size)));
-    return { bytes, stride };
+  if (accessor['bufferView'] !== undefined) {
+    const start = startOf(file, accessor);
+    const step = (viewOf(file, accessor)['byteStride'] ?? size) as number;
+    if (step === stride) bytes.set(file.binary.subarray(start, start + count * stride - (stride - size)));
+    else for (let row = 0; row < count; row += 1) bytes.set(file.binary.subarray(start + row * step, start + row * step + size), row * stride);
   }
-  for (let element = 0; element < count; element += 1) {
-    const from = start + element * step;
-    bytes.set(binary.subarray(from, from + size), element * stride);
+  if (accessor['sparse'] !== undefined) {
+    const { count: changed, indices, values } = accessor['sparse'] as { count: number; indices: Tree; values: Tree };
+    const rows = sparseRows(file.binary, startOf(file, indices), changed, componentSize(indices));
+    const start = startOf(file, values);
+    for (const [at, row] of rows.entries()) bytes.set(file.binary.subarray(start + at * size, start + (at + 1) * size), row * stride);
   }
   return { bytes, stride };
+}
+
+function viewOf({ json }: Glb, { bufferView }: Tree): Tree {
+  return (json['bufferViews'] as Tree[])[bufferView as number] as Tree;
+}
+
+/** Where what `holder` refers to begins in the binary chunk. */
+function startOf(file: Glb, holder: Tree): number {
+  return ((viewOf(file, holder)['byteOffset'] ?? 0) as number) + ((holder['byteOffset'] ?? 0) as number);
 }

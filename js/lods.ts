@@ -34,7 +34,9 @@ export function packLods(levels: ReadonlyArray<Uint8Array<ArrayBuffer>>, coverag
     const used = (first.json['extensionsUsed'] ??= []) as string[];
     if (!used.includes('MSFT_lod')) used.push('MSFT_lod');
   }
-  return buildGlb(encodeTree(first.json), geometry.finish());
+  // It states the buffer's length in the tree.
+  const parts = geometry.finish();
+  return buildGlb(encodeTree(first.json), parts);
 }
 
 /** Appends a level's mesh to the file and returns its number. */

@@ -36,6 +36,9 @@ export async function encodeGlb(glb: Uint8Array<ArrayBuffer>, encoding: Encoding
   if (encoding.compress === 'none' && !encoding.quantize && name === undefined) return { bytes: glb, files: [], warnings: [], dropped: 0 };
   const data = new GltfData(glb);
   const images = name === undefined ? [] : takeImages(data, name);
+  const changesVertices = encoding.compress === 'meshopt' || (encoding.quantize && encoding.compress !== 'draco');
+  // Zeros cost next to nothing where they are packed.
+  if (changesVertices) data.makeTargetsDense(data.triangles(), encoding.compress === 'meshopt');
   // Draco quantises by itself, and finer steps than its own would only cost.
   if (encoding.quantize && encoding.compress !== 'draco') quantize(data);
   const encoded = await compress(data, encoding.compress).catch((error: unknown) => {

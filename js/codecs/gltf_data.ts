@@ -8,6 +8,7 @@ import {
   componentsOf,
   objectOr,
   objects,
+  sparseRows,
   uint,
   type ComponentType,
   type Tree,
@@ -114,6 +115,47 @@ export class GltfData {
       }
     }
     return found;
+  }
+
+  /**
+   * Puts every element of the morph targets into bytes where the file has only those that are not zero; with `blank` also
+   * of those that are zero throughout. What numbers vertices anew, or changes the meaning of values, needs that.
+   */
+  makeTargetsDense(triangles: readonly Triangles[], blank: boolean): void {
+    const freed = new Set<number>();
+    for (const { attributes, targets } of triangles) {
+      const vertices = attributes[0] && this.layout(attributes[0][1])?.count;
+      for (const [, index] of targets.flat()) {
+        const json = this.accessor(index);
+        const [componentType, components] = [componentTypeOf(json['componentType']), componentsOf(json)];
+        const isKept = json['bufferView'] !== undefined || (json['sparse'] === undefined && !blank);
+        if (isKept || vertices === undefined || json['count'] !== vertices || componentType === undefined || components === undefined) continue;
+        const size = components * COMPONENT_ARRAYS[componentType].BYTES_PER_ELEMENT;
+        // Vertex data lie on multiples of four.
+        const stride = Math.ceil(size / 4) * 4;
+        const bytes = new Uint8Array(vertices * stride);
+        if (json['sparse'] !== undefined && !this.#unpackSparse(objectOr(json['sparse']), bytes, size, stride, freed)) continue;
+        delete json['sparse'];
+        json['bufferView'] = this.addView(bytes, { byteStride: stride, target: 34962 });
+      }
+    }
+    this.freeViews(freed);
+  }
+
+  /** Puts sparse elements into rows; false, with nothing done, where they are not whole. */
+  #unpackSparse(sparse: Tree, rows: Uint8Array, size: number, stride: number, freed: Set<number>): boolean {
+    const holders = [objectOr(sparse['indices']), objectOr(sparse['values'])];
+    const [indices, values] = holders.map((json) => this.views[uint(json['bufferView']) ?? -1]?.subarray(uint(json['byteOffset']) ?? 0));
+    const [count, componentType] = [uint(sparse['count']), componentTypeOf(holders[0]?.['componentType'])];
+    if (indices === undefined || values === undefined || count === undefined || componentType === undefined) return false;
+    const indexSize = COMPONENT_ARRAYS[componentType].BYTES_PER_ELEMENT;
+    if (indices.length < count * indexSize || values.length < count * size) return false;
+    for (const [at, row] of sparseRows(indices, 0, count, indexSize).entries()) {
+      if ((row + 1) * stride > rows.length) return false;
+      rows.set(values.subarray(at * size, (at + 1) * size), row * stride);
+    }
+    for (const json of holders) freed.add(json['bufferView'] as number);
+    return true;
   }
 
   /** Accessors that something else than the attributes and indices of `triangles` needs. */
