@@ -33,7 +33,8 @@ function liftedHills(): Uint8Array {
 
 /** The vertices that are lifted, x and y and by how much, in the scene, sorted. */
 async function liftedOf(bytes: Uint8Array): Promise<string[]> {
-  const [{ scale = [1], translation: [x, y] = [0, 0] } = {}] = glbTree(bytes)['nodes'] as [{ scale?: [number]; translation?: [number, number] }?];
+  const [node] = glbTree(bytes)['nodes'] as Array<{ scale?: number[]; translation?: number[] }>;
+  const { scale: [scale = 1] = [], translation: [x = 0, y = 0] = [] } = node ?? {};
   using document = await openDocument(bytes);
   const { wedgeSets } = await document.geometry();
   return wedgeSets.flatMap(({ positions, attributes }) => {
@@ -41,7 +42,7 @@ async function liftedOf(bytes: Uint8Array): Promise<string[]> {
     return Array.from({ length: positions.length / 3 }, (_, vertex) => vertex)
       .filter((vertex) => Math.abs(lift[3 * vertex + 1] as number) > 1e-3)
       .map((vertex) => {
-        const scaled = [positions[3 * vertex], positions[3 * vertex + 1], lift[3 * vertex + 1]].map((value) => scale[0] * (value as number));
+        const scaled = [positions[3 * vertex], positions[3 * vertex + 1], lift[3 * vertex + 1]].map((value) => scale * (value as number));
         return scaled.map((value, axis) => (value + ([x, y, 0][axis] as number)).toFixed(2)).join(' ');
       });
   }).sort();
