@@ -19,6 +19,7 @@ import {
   type SimplifyRequest,
 } from './options.js';
 import { packLods } from './lods.js';
+import { checkPrepareOptions } from './prepare/options.js';
 import { partsOf, partsSource, type Parts, type PartsSource } from './parts.js';
 import { makeReport, type Deviation, type Report, type ReportedLod } from './report.js';
 import { Turn, runInSteps } from './run.js';
@@ -421,7 +422,7 @@ function sizeOf({ bytes, files }: EncodedLevel): number {
 }
 
 function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): Encoding & { format: OutputFormat; name: string } {
-  checkNames(options, ['format', 'name', 'compress', 'quantize', 'size', 'lods', 'lodSwitch']);
+  checkNames(options, ['format', 'name', 'compress', 'quantize', 'prepare', 'size', 'lods', 'lodSwitch']);
   const { size, lods, name = 'model', quantize = false } = options;
   const { format = lods === undefined ? usualFormat(summary.format) : 'glb' } = options;
   if (size !== undefined && (typeof size !== 'number' || !(size > 0))) {
@@ -440,8 +441,10 @@ function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): Enc
   if (typeof quantize !== 'boolean') throw invalidArgument('quantize', 'must be true or false');
   if (!holdsEncodings(format) && compress !== 'none') throw invalidArgument('compress', `${format} has no compression`);
   if (!holdsEncodings(format) && quantize) throw invalidArgument('quantize', `${format} has no quantisation`);
+  const prepare = checkPrepareOptions(options.prepare);
+  if (!holdsEncodings(format) && prepare !== undefined) throw invalidArgument('prepare', `is for glb and gltf, not ${format}`);
   if (typeof name !== 'string' || !isFileName(name)) throw invalidArgument('name', 'must be a name for files, without a folder');
-  return { format, name, compress, quantize };
+  return { format, name, compress, quantize, prepare };
 }
 
 function isFileName(name: string): boolean {

@@ -300,6 +300,14 @@ describe('bad files', () => {
     expect(readdirSync(directory)).toEqual([name]);
   });
 
+  it('keeps to a limit of memory', async () => {
+    const { at, input } = workspace();
+    const refused = await decimesh(input, '-o', at('out.glb'), '-r', '0.5', '--memory-limit', '1k');
+    expect([refused.code, refused.stderr]).toEqual([3, expect.stringMatching(/^too-large: /)]);
+    expect((await decimesh(input, '-o', at('out.glb'), '-r', '0.5', '--memory-limit', '500MB')).code).toBe(0);
+    expect((await decimesh(input, '-o', at('out.glb'), '-r', '0.5', '--memory-limit', 'much')).code).toBe(2);
+  });
+
   it.each(WITHOUT_TRIANGLES)('$name goes through with a warning, as a glTF alone', async ({ name, bytes }) => {
     const directory = temporaryDirectory();
     const input = join(directory, name);

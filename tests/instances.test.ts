@@ -94,7 +94,7 @@ describe('instances and ids', () => {
     const before = apart(file).tree;
     expect(tree.nodes[0]?.extensions).toEqual(before.nodes[0]?.extensions);
     expect(tree.extensions).toEqual(before.extensions);
-    const { TRANSLATION, _FEATURE_ID_0 } = tree.nodes[0]?.extensions.EXT_mesh_gpu_instancing.attributes as Record<string, number>;
+    const { TRANSLATION, _FEATURE_ID_0 } = (tree.nodes[0]?.extensions.EXT_mesh_gpu_instancing.attributes ?? {}) as Record<string, number>;
     const numbers = (index: number | undefined, components: number): number[] => {
       const { bufferView, byteOffset = 0, count } = tree.accessors[index ?? -1] as Accessor;
       return [...new Float32Array(view(bufferView).slice(byteOffset, byteOffset + 4 * components * count).buffer)];

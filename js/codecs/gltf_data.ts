@@ -42,6 +42,9 @@ export interface Triangles {
 /** An array of numbers as glTF stores them. */
 export type Values = InstanceType<(typeof COMPONENT_ARRAYS)[ComponentType]>;
 
+/** A buffer may not be empty. */
+const ONE_BYTE = 'data:application/octet-stream;base64,AA==';
+
 /** A glTF whose geometry is being encoded. What cannot be understood is left alone, never an error. */
 export class GltfData {
   readonly tree: Tree;
@@ -75,8 +78,8 @@ export class GltfData {
     const [view, count] = [uint(json['bufferView']), uint(json['count'])];
     const [componentType, components] = [componentTypeOf(json['componentType']), componentsOf(json)];
     if (view === undefined || count === undefined || componentType === undefined || components === undefined) return undefined;
-    // Columns of small matrices are padded, which nothing here needs to know.
-    if (json['sparse'] !== undefined || String(json['type']).startsWith('MAT')) return undefined;
+    // Columns of matrices of small numbers are padded, which nothing here needs to know.
+    if (json['sparse'] !== undefined || (String(json['type']).startsWith('MAT') && componentType !== 5126)) return undefined;
     const size = components * COMPONENT_ARRAYS[componentType].BYTES_PER_ELEMENT;
     const stride = uint(this.view(view)['byteStride']) ?? size;
     const offset = uint(json['byteOffset']) ?? 0;
@@ -188,17 +191,31 @@ export class GltfData {
     return index;
   }
 
+  /** Keeps the views of these numbers, numbered anew in this order, and removes all others. */
+  keepViews(kept: readonly number[]): void {
+    const json = arrayAt(this.tree, 'bufferViews');
+    const bytes = kept.map((view) => this.views[view] as Uint8Array);
+    this.tree['bufferViews'] = kept.map((view) => json[view]);
+    this.views.splice(0, this.views.length, ...bytes);
+    this.#spare.length = 0;
+  }
+
+  /** The views that something else than the elements of an accessor needs. */
+  viewsBesideAccessors(): Set<number> {
+    const found = new Set<number>();
+    const mark = (value: unknown): void => void found.add(uint(value) ?? -1);
+    for (const accessor of objects(this.tree, 'accessors')) {
+      for (const key of ['indices', 'values']) mark(objectOr(objectOr(accessor['sparse'])[key])['bufferView']);
+    }
+    for (const image of objects(this.tree, 'images')) mark(image['bufferView']);
+    markInExtensions(this.tree, false, mark, ['bufferView', 'values', 'arrayOffsets', 'stringOffsets']);
+    return found;
+  }
+
   /** Gives back views that no accessor needs any more, and of which only accessors knew. */
   freeViews(candidates: ReadonlySet<number>): void {
-    const used = new Set<number>();
-    for (const accessor of objects(this.tree, 'accessors')) {
-      for (const json of [accessor, objectOr(objectOr(accessor['sparse'])['indices']), objectOr(objectOr(accessor['sparse'])['values'])]) {
-        const view = uint(json['bufferView']);
-        if (view !== undefined) used.add(view);
-      }
-    }
-    for (const image of objects(this.tree, 'images')) used.add(uint(image['bufferView']) ?? -1);
-    markInExtensions(this.tree, false, (view) => used.add(uint(view) ?? -1), ['bufferView']);
+    const used = this.viewsBesideAccessors();
+    for (const { bufferView } of objects(this.tree, 'accessors')) used.add(uint(bufferView) ?? -1);
     for (const view of [...candidates].filter((view) => !used.has(view)).sort((a, b) => b - a)) {
       if (this.#spare.includes(view)) continue;
       this.views[view] = new Uint8Array();
@@ -238,8 +255,9 @@ export class GltfData {
     }
     // Everything is in the first now. The others stay for what they say of themselves.
     const [first, ...others] = objects(this.tree, 'buffers');
-    const buffers: Tree[] = length > 0 ? [{ ...first, byteLength: length }] : first === undefined ? [] : [first];
-    if (length > 0) delete buffers[0]?.['uri'];
+    const { uri: _uri, byteLength: _byteLength, ...said } = first ?? {};
+    const buffers: Tree[] = length > 0 ? [{ ...said, byteLength: length }] : [];
+    if (length === 0 && Object.keys(said).length + others.length > 0) buffers.push({ ...said, uri: ONE_BYTE, byteLength: 1 });
     if (packed.size > 0) buffers.push({ byteLength: unpacked, extensions: { [extension]: { fallback: true } } });
     buffers.push(...others);
     if (buffers.length > 0) this.tree['buffers'] = buffers;
