@@ -142,6 +142,8 @@ export class Document {
   #level: LevelSummary | undefined;
   /** Whether the selected level is of the record, and not of a run beside it. */
   #recorded = true;
+  /** Whether the engine knows where skins move the vertices. */
+  #posed = false;
   /** Grows with every other level that is selected. */
   #levelNumber = 0;
   /** Of the selected level, and nothing once another is selected. */
@@ -173,6 +175,7 @@ export class Document {
     this.#model.check();
     return this.#simplifying.take(options.signal, async () => {
       const start = performance.now();
+      await this.#findPoses(options.signal);
       await this.#runInEngine(options, {
         begin: (model) => model.beginSimplify(JSON.stringify(request)),
         step: (model, work) => model.step(work),
@@ -211,6 +214,16 @@ export class Document {
       options.onProgress?.(1);
       return deviation;
     });
+  }
+
+  /** Before the first run, and while the document is at full detail. */
+  async #findPoses(signal: AbortSignal | undefined): Promise<void> {
+    if (this.#posed) return;
+    const isGltf = this.summary.format === 'glb' || this.summary.format === 'gltf';
+    if (isGltf && this.summary.wedgeSets.some(({ attributes }) => attributes.some(({ name }) => name === 'JOINTS_0'))) {
+      await (await import('./poses/poses.js')).addPoses(this.#model, this.summary, signal);
+    }
+    this.#posed = true;
   }
 
   async #runInEngine({ signal, onProgress }: RunOptions, run: EngineRun): Promise<void> {
