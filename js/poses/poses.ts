@@ -39,12 +39,15 @@ const AT_ONCE = 10_000;
 export async function addPoses(model: EngineObject<Model>, summary: DocumentSummary, signal: AbortSignal | undefined): Promise<void> {
   const data = new GltfData(model.call((object) => object.write('glb')));
   const nodes = objects(data.tree, 'nodes');
+  const skeletons = new Map<number, ReturnType<typeof jointsOf>>();
   for (const [set, { attributes }] of summary.wedgeSets.entries()) {
     const mesh = summary.groups.find(({ wedgeSet }) => wedgeSet === set)?.mesh;
     const skin = nodes.find((node) => node['mesh'] === mesh && uint(node['skin']) !== undefined)?.['skin'];
     const index = (name: string): number => attributes.findIndex((attribute) => attribute.name === name);
     const pairs = [0, 1].map((number) => [index(`JOINTS_${number}`), index(`WEIGHTS_${number}`)] as const).filter(([a, b]) => a >= 0 && b >= 0);
-    const skeleton = typeof skin === 'number' && pairs.length > 0 ? jointsOf(data, skin) : undefined;
+    if (typeof skin !== 'number' || pairs.length === 0) continue;
+    if (!skeletons.has(skin)) skeletons.set(skin, jointsOf(data, skin));
+    const skeleton = skeletons.get(skin);
     if (skeleton === undefined) continue;
     const values = (attribute: number): Float32Array => model.call((object) => object.levelAttribute(set, attribute));
     const skinned = new Skinned(
@@ -117,17 +120,19 @@ class Skinned {
   /** The positions of a vertex in all poses. */
   #skin(vertex: number, out: Float64Array): void {
     out.fill(0);
-    const [x, y, z] = [0, 1, 2].map((axis) => this.#positions[3 * vertex + axis] as number) as [number, number, number];
+    const positions = this.#positions;
+    const [x, y, z] = [positions[3 * vertex] as number, positions[3 * vertex + 1] as number, positions[3 * vertex + 2] as number];
     for (const { joints, weights } of this.#influences) {
       for (let at = 4 * vertex; at < 4 * vertex + 4; at += 1) {
         const weight = weights[at] as number;
         if (weight === 0) continue;
-        for (const [moment, matrices] of this.#moments.entries()) {
-          const matrix = matrices[joints[at] as number];
-          if (matrix === undefined) continue;
+        for (let moment = 0; moment < this.#moments.length; moment += 1) {
+          const m = this.#moments[moment]?.[joints[at] as number];
+          if (m === undefined) continue;
           for (let axis = 0; axis < 3; axis += 1) {
-            const moved = (matrix[axis] as number) * x + (matrix[4 + axis] as number) * y + (matrix[8 + axis] as number) * z + (matrix[12 + axis] as number);
-            out[3 * moment + axis] = (out[3 * moment + axis] as number) + weight * moved;
+            const k = 3 * moment + axis;
+            const moved = (m[axis] as number) * x + (m[4 + axis] as number) * y + (m[8 + axis] as number) * z + (m[12 + axis] as number);
+            out[k] = (out[k] as number) + weight * moved;
           }
         }
       }
@@ -137,10 +142,11 @@ class Skinned {
   /** What no affine function of the position gives. */
   #residual(vertex: number, out: Float64Array): void {
     this.#skin(vertex, out);
-    for (const [k, [constant = 0, ...factors]] of this.#affine.entries()) {
-      let value = (out[k] as number) - constant;
-      for (const [axis, factor] of factors.entries()) value -= factor * (this.#positions[3 * vertex + axis] as number);
-      out[k] = value;
+    const positions = this.#positions;
+    const [x, y, z] = [positions[3 * vertex] as number, positions[3 * vertex + 1] as number, positions[3 * vertex + 2] as number];
+    for (let k = 0; k < this.#size; k += 1) {
+      const f = this.#affine[k] as Float64Array;
+      out[k] = (out[k] as number) - (f[0] as number) - (f[1] as number) * x - (f[2] as number) * y - (f[3] as number) * z;
     }
   }
 
@@ -153,7 +159,10 @@ class Skinned {
       this.#skin(vertex, row);
       for (let a = 0; a < 4; a += 1) {
         for (let b = 0; b < 4; b += 1) normal[4 * a + b] = (normal[4 * a + b] as number) + (terms[a] as number) * (terms[b] as number);
-        for (const [k, column] of columns.entries()) column[a] = (column[a] as number) + (terms[a] as number) * (row[k] as number);
+        for (let k = 0; k < this.#size; k += 1) {
+          const column = columns[k] as Float64Array;
+          column[a] = (column[a] as number) + (terms[a] as number) * (row[k] as number);
+        }
       }
     }
     // A flat mesh leaves a direction open.
