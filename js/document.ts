@@ -221,7 +221,12 @@ export class Document {
     if (this.#posed) return;
     const isGltf = this.summary.format === 'glb' || this.summary.format === 'gltf';
     if (isGltf && this.summary.wedgeSets.some(({ attributes }) => attributes.some(({ name }) => name === 'JOINTS_0'))) {
-      await (await import('./poses/poses.js')).addPoses(this.#model, this.summary, signal);
+      try {
+        await (await import('./poses/poses.js')).addPoses(this.#model, this.summary, signal);
+      } catch (error) {
+        if (signal?.aborted || (error instanceof DecimeshError && error.code === 'disposed')) throw error;
+        // A file too large to be looked at in this way, say, is simplified all the same.
+      }
     }
     this.#posed = true;
   }

@@ -165,7 +165,7 @@ export interface AttributeWeights {
   readonly uv?: number | undefined;
   /** Vertex colours. */
   readonly color?: number | undefined;
-  /** Displacements of the first eight morph targets. */
+  /** Displacements of the first eight morph targets, and of skins over the animations of a file. */
   readonly morph?: number | undefined;
 }
 

@@ -11,7 +11,7 @@ import { yieldToEvents } from '../platform.js';
 import type { DocumentSummary } from '../types.js';
 import type { Model } from '../wasm/decimesh.js';
 import { eigen, longestAxis, solve } from './matrices.js';
-import { jointsOf, type Joints } from './skeleton.js';
+import { Stage, type Joints } from './skeleton.js';
 
 /**
  * Triples of components that are kept at most: each costs about as much as normals do. With one, what only some poses do
@@ -38,24 +38,27 @@ const AT_ONCE = 10_000;
 /** Tells the engine the poses of every skinned wedge set. The document must be at full detail. */
 export async function addPoses(model: EngineObject<Model>, summary: DocumentSummary, signal: AbortSignal | undefined): Promise<void> {
   const data = new GltfData(model.call((object) => object.write('glb')));
-  const nodes = objects(data.tree, 'nodes');
-  const skeletons = new Map<number, ReturnType<typeof jointsOf>>();
+  const stage = new Stage(data);
+  if (!stage.moves) return;
+  const skinOf = new Map<unknown, number>();
+  for (const { mesh, skin } of objects(data.tree, 'nodes')) if (uint(skin) !== undefined && !skinOf.has(mesh)) skinOf.set(mesh, skin as number);
+  const meshOf = new Map(summary.groups.map(({ wedgeSet, mesh }) => [wedgeSet, mesh]));
+  const skeletons = new Map<number, Joints[] | undefined>();
   for (const [set, { attributes }] of summary.wedgeSets.entries()) {
-    const mesh = summary.groups.find(({ wedgeSet }) => wedgeSet === set)?.mesh;
-    const skin = nodes.find((node) => node['mesh'] === mesh && uint(node['skin']) !== undefined)?.['skin'];
+    const skin = skinOf.get(meshOf.get(set));
     const index = (name: string): number => attributes.findIndex((attribute) => attribute.name === name);
     const pairs = [0, 1].map((number) => [index(`JOINTS_${number}`), index(`WEIGHTS_${number}`)] as const).filter(([a, b]) => a >= 0 && b >= 0);
-    if (typeof skin !== 'number' || pairs.length === 0) continue;
-    if (!skeletons.has(skin)) skeletons.set(skin, jointsOf(data, skin));
-    const skeleton = skeletons.get(skin);
-    if (skeleton === undefined) continue;
+    if (skin === undefined || pairs.length === 0) continue;
+    if (!skeletons.has(skin)) skeletons.set(skin, stage.jointsOf(skin));
+    const [rest, ...moments] = skeletons.get(skin) ?? [];
+    if (rest === undefined) continue;
     const values = (attribute: number): Float32Array => model.call((object) => object.levelAttribute(set, attribute));
     const skinned = new Skinned(
       model.call((object) => object.levelPositions(set)),
       pairs.map(([joints, weights]) => ({ joints: values(joints), weights: values(weights) })),
-      skeleton.moments,
+      moments,
     );
-    const scale = longestAxis(skeleton.rest[0] as ArrayLike<number>);
+    const scale = longestAxis(rest[0] as ArrayLike<number>);
     for (const pose of await skinned.poses(scale, signal)) model.call((object) => object.addPose(set, pose));
   }
 }

@@ -19,49 +19,79 @@ interface Channel {
   readonly interpolation: string;
 }
 
-/** The joints of `skin` as the file's nodes stand, and then at each moment; undefined without an animation of them. */
-export function jointsOf(data: GltfData, skin: number): { rest: Joints; moments: Joints[] } | undefined {
-  const { tree } = data;
-  const { joints: list, inverseBindMatrices } = objects(tree, 'skins')[skin] ?? {};
-  const nodes = objects(tree, 'nodes');
-  const joints = (Array.isArray(list) ? list : []).map((joint) => uint(joint) ?? -1);
-  if (joints.length === 0 || joints.some((joint) => nodes[joint] === undefined)) return undefined;
-  const layout = uint(inverseBindMatrices) === undefined ? undefined : data.layout(inverseBindMatrices as number);
-  if (layout !== undefined && (layout.componentType !== 5126 || layout.count < joints.length || layout.components !== 16)) return undefined;
-  const inverse = layout && (data.values(layout) as Float32Array);
-  const parents = parentsOf(nodes);
-  const places = nodes.map(placementOf);
-  const bones = (own: ReadonlyArray<Placement | Matrix>): Joints => {
-    const world = new Map<number, Matrix>();
-    const worldOf = (node: number, depth: number): Matrix => {
-      const known = world.get(node);
-      if (known !== undefined) return known;
-      const place = own[node] as Placement | Matrix;
+/** The nodes' places in their parents, and in the world as far as they were asked for. */
+interface Scene {
+  readonly places: ReadonlyArray<Placement | Matrix>;
+  readonly world: Map<number, Matrix>;
+}
+
+/** Where the nodes of a file stand, at rest and at moments of its animations. */
+export class Stage {
+  readonly #data: GltfData;
+  readonly #parents: ReadonlyArray<number | undefined>;
+  /** At rest, and then at each moment. */
+  readonly #scenes: readonly Scene[];
+
+  constructor(data: GltfData) {
+    const nodes = objects(data.tree, 'nodes');
+    const places = nodes.map(placementOf);
+    this.#data = data;
+    this.#parents = parentsOf(nodes);
+    this.#scenes = [places, ...momentsOf(data, places)].map((own) => ({ places: own, world: new Map<number, Matrix>() }));
+  }
+
+  /** Whether anything moves. */
+  get moves(): boolean {
+    return this.#scenes.length > 1;
+  }
+
+  /** The joints of a skin at rest, and then at each moment; undefined where they cannot be found. */
+  jointsOf(skin: number): Joints[] | undefined {
+    const { joints: list, inverseBindMatrices } = objects(this.#data.tree, 'skins')[skin] ?? {};
+    const joints = (Array.isArray(list) ? list : []).map((joint) => uint(joint) ?? -1);
+    if (joints.length === 0 || joints.some((joint) => this.#scenes[0]?.places[joint] === undefined)) return undefined;
+    const layout = uint(inverseBindMatrices) === undefined ? undefined : this.#data.layout(inverseBindMatrices as number);
+    if (layout !== undefined && (layout.componentType !== 5126 || layout.count < joints.length || layout.components !== 16)) return undefined;
+    const inverse = layout && (this.#data.values(layout) as Float32Array);
+    return this.#scenes.map((_, scene) =>
+      joints.map((joint, at) => {
+        const world = this.#worldOf(scene, joint);
+        return inverse === undefined ? world : multiply(world, inverse.subarray(16 * at, 16 * at + 16));
+      }),
+    );
+  }
+
+  #worldOf(scene: number, node: number): Matrix {
+    const { places, world } = this.#scenes[scene] as Scene;
+    const path: number[] = [];
+    // Up to what is known; a ring of nodes has no place in the world.
+    for (let at: number | undefined = node; at !== undefined && !world.has(at) && path.length <= places.length; at = this.#parents[at]) path.push(at);
+    for (const at of path.reverse()) {
+      const place = places[at] as Placement | Matrix;
       const local = place instanceof Float64Array ? place : compose(place);
-      const parent = parents[node];
-      // A ring of nodes has no place in the world.
-      const matrix = parent === undefined || depth > nodes.length ? local : multiply(worldOf(parent, depth + 1), local);
-      world.set(node, matrix);
-      return matrix;
-    };
-    return joints.map((joint, at) => (inverse === undefined ? worldOf(joint, 0) : multiply(worldOf(joint, 0), inverse.subarray(16 * at, 16 * at + 16))));
-  };
-  const clips = objects(tree, 'animations').map((animation) => channelsOf(data, animation)).filter((channels) => channels.length > 0);
-  if (clips.length === 0) return undefined;
-  const moments: Joints[] = [];
-  for (let moment = 0; moment < MOMENTS; moment += 1) {
+      const parent = world.get(this.#parents[at] ?? -1);
+      world.set(at, parent === undefined ? local : multiply(parent, local));
+    }
+    return world.get(node) as Matrix;
+  }
+}
+
+/** The nodes' places at each moment; none without an animation that moves nodes. */
+function momentsOf(data: GltfData, places: ReadonlyArray<Placement | Matrix>): Array<Array<Placement | Matrix>> {
+  const clips = objects(data.tree, 'animations').map((animation) => channelsOf(data, animation)).filter((channels) => channels.length > 0);
+  if (clips.length === 0) return [];
+  return Array.from({ length: MOMENTS }, (_, moment) => {
     const channels = clips[moment % clips.length] as Channel[];
     const share = (Math.floor(moment / clips.length) + 0.25) / Math.ceil(MOMENTS / clips.length);
-    const end = Math.max(...channels.map(({ times }) => times.at(-1) as number));
+    const end = channels.reduce((last, { times }) => Math.max(last, times.at(-1) as number), 0);
     const moved = [...places];
     for (const channel of channels) {
       const place = moved[channel.node];
       if (place === undefined || place instanceof Float64Array) continue;
       moved[channel.node] = { ...place, [channel.path]: valueAt(channel, share * end) };
     }
-    moments.push(bones(moved));
-  }
-  return { rest: bones(places), moments };
+    return moved;
+  });
 }
 
 function parentsOf(nodes: readonly Tree[]): Array<number | undefined> {

@@ -33,7 +33,7 @@ pub struct AttributeWeights {
     pub texture: f32,
     /// Colours. Default 1.
     pub color: f32,
-    /// Displacements of morph targets, which are lengths by themselves. Default 1.
+    /// Displacements of morph targets, and of skins in poses, which are lengths by themselves. Default 1.
     pub morph: f32,
 }
 
@@ -111,7 +111,7 @@ impl Layout {
                     Meaning::Texture(_) => (2, 0.0),
                     Meaning::Color => (values.components, COLOR * weights.color),
                     Meaning::Target(_) => (3, weights.morph * per_local),
-                    Meaning::Pose(_) => (3, per_local),
+                    Meaning::Pose(_) => (3, weights.morph * per_local),
                 };
                 if weight > 0.0 && weight.is_finite() {
                     found.push((meaning, s, Placed { attribute, start: 0, length, weight }));
