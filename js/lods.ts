@@ -4,7 +4,7 @@
 // materials, textures, skins and animations are the first level's.
 
 import { buildGlb, encodeTree, parseGlb, type Glb } from './codecs/container.js';
-import type { Tree } from './codecs/tree.js';
+import { arrayAt, objectOr, objects, type Tree } from './codecs/tree.js';
 import { Geometry, VertexTable } from './lod_geometry.js';
 
 /** Extensions of a node that are about its mesh, and belong to each of its levels. */
@@ -31,7 +31,7 @@ export function packLods(levels: ReadonlyArray<Uint8Array<ArrayBuffer>>, coverag
   );
   const chained = addNodes(first.json, (mesh) => meshOf.map((level) => level[mesh] as number), coverages);
   if (chained) {
-    const used = (first.json['extensionsUsed'] ??= []) as string[];
+    const used = arrayAt(first.json, 'extensionsUsed');
     if (!used.includes('MSFT_lod')) used.push('MSFT_lod');
   }
   // It states the buffer's length in the tree.
@@ -133,10 +133,11 @@ function giveMeshAway(nodes: Tree[], index: number): number {
 
 /** Lets what animates the node `index` animate its levels too, which share the samplers. */
 function animate(tree: Tree, index: number, holder: number, ids: readonly number[]): void {
-  for (const animation of list(tree, 'animations')) {
-    const channels = list(animation, 'channels');
-    for (const channel of [...channels]) {
-      const target = channel['target'] as Tree;
+  // Nothing has looked at these yet: a file may hold anything there.
+  for (const { channels } of objects(tree, 'animations')) {
+    if (!Array.isArray(channels)) continue;
+    for (const channel of channels.map(objectOr)) {
+      const target = objectOr(channel['target']);
       if (target['node'] !== index) continue;
       // The levels of a mesh that was given away stand below the node and move with it.
       if (holder !== index && target['path'] !== 'weights') continue;

@@ -8,7 +8,7 @@ import { compose, multiply, type Matrix, type Placement } from './matrices.js';
 export type Joints = readonly Matrix[];
 
 /** Moments that are looked at, over all animations. */
-const MOMENTS = 16;
+const MOMENTS = 32;
 
 interface Channel {
   readonly node: number;
