@@ -1,8 +1,9 @@
-// `npm run bench`: quality, speed, memory, history and looks, side by side with other simplifiers.
+// `npm run bench`: quality, speed, memory, history, looks, poses and loaders, side by side with other simplifiers.
 //
 //     npm run bench                              everything; ten minutes on two cores, more with MeshLab's first run
 //     npm run bench -- --quick                   a small share of each, a minute or two
-//     npm run bench -- quality speed             only these; known: quality speed memory history levels looks
+//     npm run bench -- quality speed             only these; known: quality speed memory history levels looks poses
+//                                              loaders
 //     npm run bench -- --json FILE               also writes all figures there
 //
 // Deviations come from an independent meter if there is one: MESHDIST names it, or it stands in ../shared/tools.
@@ -12,15 +13,17 @@ import { writeFileSync } from 'node:fs';
 import { cpus } from 'node:os';
 import { history } from './history.mjs';
 import { levels } from './levels.mjs';
+import { loaders } from './loaders.mjs';
 import { looks } from './looks.mjs';
 import { memory } from './memory.mjs';
+import { poses } from './poses.mjs';
 import { quality } from './quality.mjs';
 import { speed } from './speed.mjs';
 import { peerVersion, presets, ready } from './support/engines.mjs';
 import { available } from './support/models.mjs';
 import { printGoals } from './support/report.mjs';
 
-const BENCHES = { quality, speed, memory, history, levels, looks };
+const BENCHES = { quality, speed, memory, history, levels, looks, poses, loaders };
 
 function parse(words) {
   const options = { quick: false, json: undefined, names: [] };

@@ -220,10 +220,11 @@ async function writeLevels(
 }
 
 /** What was asked for; throws `usage` if the format does not have it, and leaves out what is the default there. */
-function encodingFor(format: OutputFormat, { compress, quantize }: Job): WriteOptions {
-  if (holdsEncodings(format)) return { compress, quantize };
+function encodingFor(format: OutputFormat, { compress, quantize, prepare }: Job): WriteOptions {
+  if (holdsEncodings(format)) return { compress, quantize, prepare };
   if (compress !== undefined && compress !== 'none') throw usage('--compress', `.${format} has no compression; write to .glb`);
   if (quantize) throw usage('--quantize', `.${format} has no quantisation; write to .glb`);
+  if (prepare !== undefined) throw usage('--prepare', `.${format} has nothing to prepare; write to .glb`);
   return {};
 }
 

@@ -23,6 +23,7 @@ import {
   type SimplifyRequest,
 } from './options.js';
 import { packLods } from './lods.js';
+import { checkPrepareOptions } from './prepare/options.js';
 import { partsOf, partsSource, type Parts, type PartsSource } from './parts.js';
 import { makeReport, type Deviation, type DeviationMap, type Report, type ReportedLod } from './report.js';
 import { isProgressive } from './progressive/container.js';
@@ -166,6 +167,8 @@ export class Document {
   #level: LevelSummary | undefined;
   /** Whether the selected level is of the record, and not of a run beside it. */
   #recorded = true;
+  /** Whether the engine knows where skins move the vertices. */
+  #posed = false;
   /** Grows with every other level that is selected. */
   #levelNumber = 0;
   /** Of the selected level, and nothing once another is selected. */
@@ -201,6 +204,7 @@ export class Document {
     this.#model.check();
     return this.#simplifying.take(options.signal, async () => {
       const start = performance.now();
+      await this.#findPoses(options.signal);
       await this.#runInEngine(options, {
         begin: (model) => {
           model.setProtection(weights ?? new Float32Array(), locked ?? new Uint8Array());
@@ -303,6 +307,21 @@ export class Document {
       options.onProgress?.(1);
       return { deviation, map, mapLengths };
     });
+  }
+
+  /** Before the first run, and while the document is at full detail. */
+  async #findPoses(signal: AbortSignal | undefined): Promise<void> {
+    if (this.#posed) return;
+    const isGltf = this.summary.format === 'glb' || this.summary.format === 'gltf';
+    if (isGltf && this.summary.wedgeSets.some(({ attributes }) => attributes.some(({ name }) => name === 'JOINTS_0'))) {
+      try {
+        await (await import('./poses/poses.js')).addPoses(this.#model, this.summary, signal);
+      } catch (error) {
+        if (signal?.aborted || (error instanceof DecimeshError && error.code === 'disposed')) throw error;
+        // A file too large to be looked at in this way, say, is simplified all the same.
+      }
+    }
+    this.#posed = true;
   }
 
   async #runInEngine({ signal, onProgress }: RunOptions, run: EngineRun): Promise<void> {
@@ -483,11 +502,11 @@ export class Document {
     }
     const chain = [...levels.values()].sort((a, b) => b.level.triangles - a.level.triangles);
     const coverages = screenCoverages(chain.map(({ level }) => level.estimatedError), this.summary.diagonal, lodSwitch);
-    const files: Uint8Array[] = [];
+    const files: Uint8Array<ArrayBuffer>[] = [];
     // The first one last: it stays selected.
     for (const { targets: target } of [...chain].reverse()) {
       await this.level(target);
-      files.unshift(this.#model.call((model) => model.write('glb')));
+      files.unshift(this.#model.call((model) => model.write('glb')) as Uint8Array<ArrayBuffer>);
     }
     const lods = chain.map(({ level }, index) => ({
       triangles: level.triangles,
@@ -551,7 +570,7 @@ function sizeOf({ bytes, files }: EncodedLevel): number {
 }
 
 function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): Encoding & { format: OutputFormat; name: string } {
-  checkNames(options, ['format', 'name', 'compress', 'quantize', 'size', 'lods', 'lodSwitch']);
+  checkNames(options, ['format', 'name', 'compress', 'quantize', 'prepare', 'size', 'lods', 'lodSwitch']);
   const { size, lods, name = 'model', quantize = false } = options;
   const { format = lods === undefined ? usualFormat(summary.format) : 'glb' } = options;
   if (size !== undefined && (typeof size !== 'number' || !(size > 0))) {
@@ -570,8 +589,10 @@ function checkWriteOptions(options: WriteOptions, summary: DocumentSummary): Enc
   if (typeof quantize !== 'boolean') throw invalidArgument('quantize', 'must be true or false');
   if (!holdsEncodings(format) && compress !== 'none') throw invalidArgument('compress', `${format} has no compression`);
   if (!holdsEncodings(format) && quantize) throw invalidArgument('quantize', `${format} has no quantisation`);
+  const prepare = checkPrepareOptions(options.prepare);
+  if (!holdsEncodings(format) && prepare !== undefined) throw invalidArgument('prepare', `is for glb and gltf, not ${format}`);
   if (typeof name !== 'string' || !isFileName(name)) throw invalidArgument('name', 'must be a name for files, without a folder');
-  return { format, name, compress, quantize };
+  return { format, name, compress, quantize, prepare };
 }
 
 function isFileName(name: string): boolean {

@@ -1,9 +1,7 @@
 // The accessors of coarser levels: read out of their files, shared with the first where they are the same, or added to it.
 
-import type { Glb, Json } from './glb.js';
-
-const COMPONENT_BYTES: Readonly<Record<number, number>> = { 5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4 };
-const COMPONENTS: Readonly<Record<string, number>> = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };
+import type { Glb } from './codecs/container.js';
+import { COMPONENT_ARRAYS, componentTypeOf, componentsOf, sparseRows, type Tree } from './codecs/tree.js';
 
 const ARRAY_BUFFER = 34962;
 const ELEMENT_ARRAY_BUFFER = 34963;
@@ -22,8 +20,8 @@ export interface Vertices {
 export class Geometry {
   /** The first level. */
   readonly file: Glb;
-  readonly #views: Json[];
-  readonly #accessors: Json[];
+  readonly #views: Tree[];
+  readonly #accessors: Tree[];
   readonly #parts: Uint8Array[];
   #length: number;
   /** For each level the accessors that were added already. */
@@ -31,16 +29,16 @@ export class Geometry {
 
   constructor(file: Glb) {
     this.file = file;
-    this.#views = (file.json['bufferViews'] ??= []) as Json[];
-    this.#accessors = (file.json['accessors'] ??= []) as Json[];
+    this.#views = (file.json['bufferViews'] ??= []) as Tree[];
+    this.#accessors = (file.json['accessors'] ??= []) as Tree[];
     this.#parts = [file.binary];
     this.#length = file.binary.byteLength;
   }
 
   /** The primitive of another level with its accessors in this file. */
-  importPrimitive(level: Glb, primitive: Json): Json {
-    const attributes = (set: unknown): Json =>
-      Object.fromEntries(Object.entries(set as Json).map(([name, index]) => [name, this.#import(level, index as number, ARRAY_BUFFER)]));
+  importPrimitive(level: Glb, primitive: Tree): Tree {
+    const attributes = (set: unknown): Tree =>
+      Object.fromEntries(Object.entries(set as Tree).map(([name, index]) => [name, this.#import(level, index as number, ARRAY_BUFFER)]));
     const { indices, targets } = primitive;
     return {
       ...primitive,
@@ -52,9 +50,9 @@ export class Geometry {
 
   /** Adds the indices of another level's primitive, each replaced by what `places` has for it, below `count`. */
   addIndices(level: Glb, accessor: number, places: Uint32Array, count: number): number {
-    const json = (level.json['accessors'] as Json[])[accessor] as Json;
+    const json = (level.json['accessors'] as Tree[])[accessor] as Tree;
     const { bytes } = elementsOf(level, json);
-    const size = COMPONENT_BYTES[json['componentType'] as number] as number;
+    const size = componentSize(json);
     const old = size === 4 ? new Uint32Array(bytes.buffer) : size === 2 ? new Uint16Array(bytes.buffer) : bytes;
     // 65535 itself would mean primitive restart.
     const wide = count > 65535;
@@ -66,16 +64,16 @@ export class Geometry {
   }
 
   /** Everything that the vertices of a primitive have; undefined where that cannot be compared. */
-  vertices(level: Glb, primitive: Json): Vertices | undefined {
-    const accessors = level.json['accessors'] as Json[];
-    const sets = [primitive['attributes'], ...((primitive['targets'] ?? []) as unknown[])] as Json[];
+  vertices(level: Glb, primitive: Tree): Vertices | undefined {
+    const accessors = level.json['accessors'] as Tree[];
+    const sets = [primitive['attributes'], ...((primitive['targets'] ?? []) as unknown[])] as Tree[];
     const columns = sets.flatMap((set, index) =>
       Object.entries(set)
         .sort(([a], [b]) => (a < b ? -1 : 1))
-        .map(([name, accessor]) => ({ name: `${index}/${name}`, json: accessors[accessor as number] as Json })),
+        .map(([name, accessor]) => ({ name: `${index}/${name}`, json: accessors[accessor as number] as Tree })),
     );
     const count = columns[0]?.json['count'] as number | undefined;
-    if (count === undefined || columns.some(({ json }) => json['sparse'] !== undefined || json['count'] !== count)) return undefined;
+    if (count === undefined || columns.some(({ json }) => json['count'] !== count)) return undefined;
     const sizes = columns.map(({ json }) => Math.ceil(elementSize(json) / 4));
     const size = sizes.reduce((sum, own) => sum + own, 0);
     const words = new Uint32Array(count * size);
@@ -97,8 +95,8 @@ export class Geometry {
 
   /** The content of the file's buffer, whose length the tree states now. */
   finish(): Uint8Array[] {
-    const buffers = (this.file.json['buffers'] ??= [{}]) as Json[];
-    if (this.#length > 0) (buffers[0] as Json)['byteLength'] = this.#length;
+    const buffers = (this.file.json['buffers'] ??= [{}]) as Tree[];
+    if (this.#length > 0) (buffers[0] as Tree)['byteLength'] = this.#length;
     return this.#parts;
   }
 
@@ -107,7 +105,7 @@ export class Geometry {
     if (added === undefined) this.#added.set(level, (added = new Map()));
     const known = added.get(accessor);
     if (known !== undefined) return known;
-    const json = (level.json['accessors'] as Json[])[accessor] as Json;
+    const json = (level.json['accessors'] as Tree[])[accessor] as Tree;
     const index = this.#same(level, accessor) ?? this.#copy(level, json, target);
     added.set(accessor, index);
     return index;
@@ -115,20 +113,21 @@ export class Geometry {
 
   /** The accessor of this number in the file, if it is the same in both. */
   #same(level: Glb, accessor: number): number | undefined {
-    const other = (level.json['accessors'] as Json[])[accessor] as Json;
+    const other = (level.json['accessors'] as Tree[])[accessor] as Tree;
     const own = this.#accessors[accessor];
-    const rest = (json: Json): string => JSON.stringify({ ...json, bufferView: null, byteOffset: null });
+    const rest = (json: Tree): string => JSON.stringify({ ...json, bufferView: null, byteOffset: null });
     if (own === undefined || rest(own) !== rest(other) || 'sparse' in own || 'sparse' in other) return undefined;
     const [a, b] = [elementsOf(this.file, own).bytes, elementsOf(level, other).bytes];
     return a.every((byte, at) => byte === b[at]) ? accessor : undefined;
   }
 
-  #copy(level: Glb, accessor: Json, target: number): number {
+  #copy(level: Glb, accessor: Tree, target: number): number {
     const json = { ...accessor };
     delete json['bufferView'];
     delete json['byteOffset'];
     if (accessor['bufferView'] === undefined) {
-      // Zeros have no bytes.
+      // Zeros have no bytes, nor all but a few of them.
+      if (accessor['sparse'] !== undefined) json['sparse'] = this.#copySparse(level, accessor);
       this.#accessors.push(json);
       return this.#accessors.length - 1;
     }
@@ -137,21 +136,29 @@ export class Geometry {
     return this.#add(json, bytes, target, isVertices ? stride : 0);
   }
 
-  #add(json: Json, bytes: Uint8Array, target: number, stride: number): number {
+  #copySparse(level: Glb, accessor: Tree): Tree {
+    const { count, indices, values } = accessor['sparse'] as { count: number; indices: Tree; values: Tree };
+    const copy = (part: Tree, size: number): Tree => {
+      const start = startOf(level, part);
+      return { ...part, bufferView: this.#addView(level.binary.slice(start, start + count * size)), byteOffset: 0 };
+    };
+    return { count, indices: copy(indices, componentSize(indices)), values: copy(values, elementSize(accessor)) };
+  }
+
+  #add(json: Tree, bytes: Uint8Array, target: number, stride: number): number {
+    const bufferView = this.#addView(bytes, { ...(stride > 0 ? { byteStride: stride } : {}), target });
+    this.#accessors.push({ bufferView, ...json });
+    return this.#accessors.length - 1;
+  }
+
+  #addView(bytes: Uint8Array, properties: Tree = {}): number {
     const padding = (4 - (this.#length % 4)) % 4;
     if (padding > 0) this.#parts.push(new Uint8Array(padding));
     this.#length += padding;
-    this.#views.push({
-      buffer: 0,
-      byteOffset: this.#length,
-      byteLength: bytes.byteLength,
-      ...(stride > 0 ? { byteStride: stride } : {}),
-      target,
-    });
+    this.#views.push({ buffer: 0, byteOffset: this.#length, byteLength: bytes.byteLength, ...properties });
     this.#parts.push(bytes);
     this.#length += bytes.byteLength;
-    this.#accessors.push({ bufferView: this.#views.length - 1, ...json });
-    return this.#accessors.length - 1;
+    return this.#views.length - 1;
   }
 }
 
@@ -201,28 +208,41 @@ export class VertexTable {
   }
 }
 
-function elementSize({ componentType, type }: Json): number {
-  return (COMPONENT_BYTES[componentType as number] ?? 0) * (COMPONENTS[type as string] ?? 0);
+function componentSize({ componentType }: Tree): number {
+  const known = componentTypeOf(componentType);
+  return known === undefined ? 0 : COMPONENT_ARRAYS[known].BYTES_PER_ELEMENT;
+}
+
+function elementSize(accessor: Tree): number {
+  return componentSize(accessor) * (componentsOf(accessor) ?? 0);
 }
 
 /** A copy of the elements of an accessor, each padded to a multiple of `align` bytes. */
-function elementsOf({ json: tree, binary }: Glb, accessor: Json, align = 1): { bytes: Uint8Array; stride: number } {
+function elementsOf(file: Glb, accessor: Tree, align = 1): { bytes: Uint8Array; stride: number } {
   const size = elementSize(accessor);
   const stride = Math.ceil(size / align) * align;
   const count = accessor['count'] as number;
   const bytes = new Uint8Array(count * stride);
-  const { bufferView, byteOffset = 0 } = accessor;
-  if (bufferView === undefined) return { bytes, stride };
-  const view = (tree['bufferViews'] as Json[])[bufferView as number] as Json;
-  const start = ((view['byteOffset'] ?? 0) as number) + (byteOffset as number);
-  const step = (view['byteStride'] ?? size) as number;
-  if (step === stride) {
-    bytes.set(binary.subarray(start, start + count * stride - (stride - size)));
-    return { bytes, stride };
+  if (accessor['bufferView'] !== undefined) {
+    const start = startOf(file, accessor);
+    const step = (viewOf(file, accessor)['byteStride'] ?? size) as number;
+    if (step === stride) bytes.set(file.binary.subarray(start, start + count * stride - (stride - size)));
+    else for (let row = 0; row < count; row += 1) bytes.set(file.binary.subarray(start + row * step, start + row * step + size), row * stride);
   }
-  for (let element = 0; element < count; element += 1) {
-    const from = start + element * step;
-    bytes.set(binary.subarray(from, from + size), element * stride);
+  if (accessor['sparse'] !== undefined) {
+    const { count: changed, indices, values } = accessor['sparse'] as { count: number; indices: Tree; values: Tree };
+    const rows = sparseRows(file.binary, startOf(file, indices), changed, componentSize(indices));
+    const start = startOf(file, values);
+    for (const [at, row] of rows.entries()) bytes.set(file.binary.subarray(start + at * size, start + (at + 1) * size), row * stride);
   }
   return { bytes, stride };
+}
+
+function viewOf({ json }: Glb, { bufferView }: Tree): Tree {
+  return (json['bufferViews'] as Tree[])[bufferView as number] as Tree;
+}
+
+/** Where what `holder` refers to begins in the binary chunk. */
+function startOf(file: Glb, holder: Tree): number {
+  return ((viewOf(file, holder)['byteOffset'] ?? 0) as number) + ((holder['byteOffset'] ?? 0) as number);
 }

@@ -3,7 +3,8 @@
 // The levels are GLBs written from one document, so their trees differ in the geometry alone. Nothing else is copied:
 // materials, textures, skins and animations are the first level's.
 
-import { buildGlb, parseGlb, type Glb, type Json } from './glb.js';
+import { buildGlb, encodeTree, parseGlb, type Glb } from './codecs/container.js';
+import { arrayAt, objectOr, objects, type Tree } from './codecs/tree.js';
 import { Geometry, VertexTable } from './lod_geometry.js';
 
 /** Extensions of a node that are about its mesh, and belong to each of its levels. */
@@ -15,7 +16,9 @@ const PLACEMENT = ['matrix', 'translation', 'rotation', 'scale'];
  * Joins `levels`, the finest first, into one GLB. `coverages` has for each the smallest screen coverage at which it is
  * shown, for `MSFT_screencoverage`.
  */
-export function packLods(levels: readonly Uint8Array[], coverages: readonly number[]): Uint8Array<ArrayBuffer> {
+export function packLods(levels: ReadonlyArray<Uint8Array<ArrayBuffer>>, coverages: readonly number[]): Uint8Array<ArrayBuffer> {
+  // Where the constraints allow no second level there is no chain.
+  if (levels[0] !== undefined && levels.length === 1) return levels[0];
   const [first, ...coarser] = levels.map(parseGlb);
   if (first === undefined) throw new RangeError('no levels');
   const geometry = new Geometry(first);
@@ -28,10 +31,12 @@ export function packLods(levels: readonly Uint8Array[], coverages: readonly numb
   );
   const chained = addNodes(first.json, (mesh) => meshOf.map((level) => level[mesh] as number), coverages);
   if (chained) {
-    const used = (first.json['extensionsUsed'] ??= []) as string[];
+    const used = arrayAt(first.json, 'extensionsUsed');
     if (!used.includes('MSFT_lod')) used.push('MSFT_lod');
   }
-  return buildGlb(first.json, geometry.finish());
+  // It states the buffer's length in the tree.
+  const parts = geometry.finish();
+  return buildGlb(encodeTree(first.json), parts);
 }
 
 /** Appends a level's mesh to the file and returns its number. */
@@ -42,9 +47,9 @@ function addMesh(
   mesh: number,
   number: number,
 ): number {
-  const source = list(level.json, 'meshes')[mesh] as Json;
+  const source = list(level.json, 'meshes')[mesh] as Tree;
   const fileMeshes = list(first.json, 'meshes');
-  const candidates = list(fileMeshes[mesh] as Json, 'primitives');
+  const candidates = list(fileMeshes[mesh] as Tree, 'primitives');
   const primitives = list(source, 'primitives').map((primitive) => {
     const shared = shareVertices(geometry, tables, candidates, level, primitive);
     return shared ?? geometry.importPrimitive(level, primitive);
@@ -57,10 +62,10 @@ function addMesh(
 function shareVertices(
   geometry: Geometry,
   tables: Map<string, VertexTable>,
-  candidates: readonly Json[],
+  candidates: readonly Tree[],
   level: Glb,
-  primitive: Json,
-): Json | undefined {
+  primitive: Tree,
+): Tree | undefined {
   if (primitive['indices'] === undefined) return undefined;
   const vertices = geometry.vertices(level, primitive);
   if (vertices === undefined) return undefined;
@@ -83,7 +88,7 @@ function shareVertices(
 }
 
 /** Gives every node with a mesh its chain. Returns whether there is any. */
-function addNodes(tree: Json, meshesOf: (mesh: number) => number[], coverages: readonly number[]): boolean {
+function addNodes(tree: Tree, meshesOf: (mesh: number) => number[], coverages: readonly number[]): boolean {
   const nodes = list(tree, 'nodes');
   // Chains that the file has already are its own business.
   const taken = new Set(nodes.flatMap((node) => lodOf(node)?.ids ?? []));
@@ -94,15 +99,15 @@ function addNodes(tree: Json, meshesOf: (mesh: number) => number[], coverages: r
     const alone = list(node, 'children').length === 0 && (node['extras'] === undefined || isObject(node['extras']));
     // A level takes the place of the whole node: one that has more than a mesh gives the mesh to a node of its own.
     const holder = alone ? index : giveMeshAway(nodes, index);
-    const from = nodes[holder] as Json;
+    const from = nodes[holder] as Tree;
     const ids = meshesOf(mesh).map((number, level) => {
       nodes.push({ ...pick(from, [...PLACEMENT, 'skin', 'weights']), ...named(node, level + 1), mesh: number });
-      const extensions = pick((from['extensions'] ?? {}) as Json, MESH_EXTENSIONS);
-      if (Object.keys(extensions).length > 0) (nodes.at(-1) as Json)['extensions'] = extensions;
+      const extensions = pick((from['extensions'] ?? {}) as Tree, MESH_EXTENSIONS);
+      if (Object.keys(extensions).length > 0) (nodes.at(-1) as Tree)['extensions'] = extensions;
       return nodes.length - 1;
     });
-    from['extensions'] = { ...(from['extensions'] as Json | undefined), MSFT_lod: { ids } };
-    from['extras'] = { ...(from['extras'] as Json | undefined), MSFT_screencoverage: [...coverages] };
+    from['extensions'] = { ...(from['extensions'] as Tree | undefined), MSFT_lod: { ids } };
+    from['extras'] = { ...(from['extras'] as Tree | undefined), MSFT_screencoverage: [...coverages] };
     animate(tree, index, holder, ids);
     chained = true;
   }
@@ -110,9 +115,9 @@ function addNodes(tree: Json, meshesOf: (mesh: number) => number[], coverages: r
 }
 
 /** Moves the mesh of a node, with what belongs to it, to a new child of the node, and returns the child's number. */
-function giveMeshAway(nodes: Json[], index: number): number {
-  const node = nodes[index] as Json;
-  const extensions = (node['extensions'] ?? {}) as Json;
+function giveMeshAway(nodes: Tree[], index: number): number {
+  const node = nodes[index] as Tree;
+  const extensions = (node['extensions'] ?? {}) as Tree;
   const own = pick(extensions, MESH_EXTENSIONS);
   nodes.push({
     ...pick(node, ['mesh', 'skin', 'weights']),
@@ -127,11 +132,12 @@ function giveMeshAway(nodes: Json[], index: number): number {
 }
 
 /** Lets what animates the node `index` animate its levels too, which share the samplers. */
-function animate(tree: Json, index: number, holder: number, ids: readonly number[]): void {
-  for (const animation of list(tree, 'animations')) {
-    const channels = list(animation, 'channels');
-    for (const channel of [...channels]) {
-      const target = channel['target'] as Json;
+function animate(tree: Tree, index: number, holder: number, ids: readonly number[]): void {
+  // Nothing has looked at these yet: a file may hold anything there.
+  for (const { channels } of objects(tree, 'animations')) {
+    if (!Array.isArray(channels)) continue;
+    for (const channel of channels.map(objectOr)) {
+      const target = objectOr(channel['target']);
       if (target['node'] !== index) continue;
       // The levels of a mesh that was given away stand below the node and move with it.
       if (holder !== index && target['path'] !== 'weights') continue;
@@ -141,16 +147,16 @@ function animate(tree: Json, index: number, holder: number, ids: readonly number
   }
 }
 
-function lodOf(node: Json): { ids?: number[] } | undefined {
-  return (node['extensions'] as Json | undefined)?.['MSFT_lod'] as { ids?: number[] } | undefined;
+function lodOf(node: Tree): { ids?: number[] } | undefined {
+  return (node['extensions'] as Tree | undefined)?.['MSFT_lod'] as { ids?: number[] } | undefined;
 }
 
 /** The name that the extension's text suggests, where there is one to begin with. */
-function named({ name }: Json, level: number): Json {
+function named({ name }: Tree, level: number): Tree {
   return name === undefined ? {} : { name: `${String(name)}_LOD${level}` };
 }
 
-function pick(object: Json, keys: readonly string[]): Json {
+function pick(object: Tree, keys: readonly string[]): Tree {
   return Object.fromEntries(keys.filter((key) => object[key] !== undefined).map((key) => [key, object[key]]));
 }
 
@@ -158,6 +164,6 @@ function isObject(value: unknown): boolean {
   return typeof value === 'object' && value !== null && !Array.isArray(value);
 }
 
-function list(object: Json, key: string): Json[] {
-  return (object[key] ?? []) as Json[];
+function list(object: Tree, key: string): Tree[] {
+  return (object[key] ?? []) as Tree[];
 }

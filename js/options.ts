@@ -231,6 +231,7 @@ function lengthInModelUnits(name: string, length: number | string, diagonal: num
   return value;
 }
 
-function shown(value: unknown): string {
+/** A value as a message quotes it. */
+export function shown(value: unknown): string {
   return typeof value === 'string' ? `'${value}'` : String(value);
 }

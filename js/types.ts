@@ -165,7 +165,7 @@ export interface AttributeWeights {
   readonly uv?: number | undefined;
   /** Vertex colours. */
   readonly color?: number | undefined;
-  /** Displacements of the first eight morph targets. */
+  /** Displacements of the first eight morph targets, and of skins over the animations of a file. */
   readonly morph?: number | undefined;
 }
 
@@ -287,6 +287,8 @@ export interface WriteOptions {
    * integers stays that.
    */
   readonly quantize?: boolean | undefined;
+  /** Preparation of a GLB or glTF beside its geometry. Default: none. */
+  readonly prepare?: PrepareOptions | undefined;
   /**
    * The largest the output may be, bytes > 0: selects and writes the largest recorded level that fits, or the smallest
    * there is, with the stop reason it has. Encodes at most four times. Needs a simplification whose levels all count.
@@ -299,6 +301,37 @@ export interface WriteOptions {
   readonly lods?: ReadonlyArray<number | LevelTargets> | undefined;
   /** When a chain is to switch. */
   readonly lodSwitch?: LodSwitch | undefined;
+}
+
+/** What textures are to become. */
+export interface TextureOptions {
+  /** The longer side at most, pixels, an integer ≥ 1; the other side follows. Default: as it is. */
+  readonly maxSize?: number | undefined;
+  /** Default: what each image was. `'webp'` needs `EXT_texture_webp` of a reader, and is named in the file as required. */
+  readonly format?: 'webp' | 'jpeg' | 'png' | undefined;
+  /** Of lossy formats, 0 to 1: 0 small and coarse, 1 large and nearly exact. Default 0.8; normal maps have at least 0.95. */
+  readonly quality?: number | undefined;
+}
+
+/**
+ * What else to do for a smaller GLB or glTF. The tree is edited and not built anew: names, extras and unknown extensions
+ * stay. The report's `parts` say what it gave.
+ */
+export interface PrepareOptions {
+  /**
+   * Equal accessors, images, textures and materials (of the same name) become one, buffers with the same bytes too.
+   * Default false.
+   */
+  readonly dedup?: boolean | undefined;
+  /**
+   * What no scene and no animation needs is removed, and the rest numbered anew. With extensions that are not known,
+   * which may refer to anything, nothing is removed, with the warning `not-pruned`. Default false.
+   */
+  readonly prune?: boolean | undefined;
+  /** Keys of animations that interpolation between the others gives too are left out. Default false. */
+  readonly resample?: boolean | undefined;
+  /** Scales and encodes textures that become smaller by it. On Node this needs the package `sharp`. Default: none. */
+  readonly textures?: TextureOptions | undefined;
 }
 
 /** When a level takes over from the finer one: where its error appears as small as this. */

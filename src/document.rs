@@ -144,8 +144,11 @@ enum Source {
 impl Document {
     /// Reads the first of `files` whose content is a model; the others are what it refers to.
     ///
+    /// A glTF without triangles is read with a warning; its mesh is empty.
+    ///
     /// # Errors
-    /// A typed [`Error`] with the place for anything malformed, missing or unsupported.
+    /// A typed [`Error`] with the place for anything malformed, missing or unsupported; `no-triangles` for another
+    /// format without any.
     pub fn open(mut files: Vec<NamedFile>) -> Result<Self, Error> {
         let byte_count = files.iter().map(|f| f.bytes.len()).sum();
         let (main, format) = sniff::first_model(&mut files)?;
@@ -158,9 +161,15 @@ impl Document {
             Format::Off => Source::Off(Box::new(off::read(&files[main])?)),
             Format::Smf => Source::Smf(Box::new(smf::read(&files[main])?)),
         };
-        let document = Self { source, byte_count };
+        let mut document = Self { source, byte_count };
         if document.mesh().triangles.is_empty() {
-            return Err(Error::new(ErrorCode::NoTriangles, name, "the file has no triangles"));
+            let message = "the file has no triangles";
+            // A glTF may be points, lines, or an animation alone, and goes through as it is.
+            let Source::Gltf(source) = &mut document.source else {
+                return Err(Error::new(ErrorCode::NoTriangles, name, message));
+            };
+            let message = format!("{message}: there is nothing to simplify");
+            source.warnings.push(Warning { code: ErrorCode::NoTriangles.as_str(), message, place: name });
         }
         Ok(document)
     }
@@ -231,9 +240,14 @@ impl Document {
     ///
     /// # Errors
     /// `unsupported` for a format that cannot be written; `not-finite` if a placement moves a
-    /// vertex out of range; `too-large` beyond what the format or memory can hold.
+    /// vertex out of range; `too-large` beyond what the format or memory can hold; `no-triangles` for another format
+    /// than glTF if the file has none.
     pub fn write(&self, mesh: &Mesh, format: Format) -> Result<Vec<u8>, Error> {
         let layout = self.layout();
+        if format != Format::Glb && self.mesh().triangles.is_empty() {
+            let message = "the file has no triangles, which only glTF can hold";
+            return Err(Error::new(ErrorCode::NoTriangles, "format", message));
+        }
         match (format, &self.source) {
             (Format::Glb, Source::Gltf(source)) => gltf::write(source, mesh),
             (Format::Glb, _) => gltf::write_new(mesh, layout),

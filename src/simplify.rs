@@ -35,7 +35,7 @@ mod space;
 mod topology;
 mod vertex_kind;
 
-pub use attribute_layout::AttributeWeights;
+pub use attribute_layout::{AttributeWeights, POSE};
 
 use crate::collapse_sequence::{Blockers, Collapse, CollapseSequence, StopReason};
 use crate::error::{Error, ErrorCode};

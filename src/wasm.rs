@@ -17,7 +17,7 @@ use crate::document::{Document, Format, NamedFile};
 use crate::error::{Error, ErrorCode, Warning};
 use crate::lod::{self, Level, LevelMesh, Levels};
 use crate::mesh::{Attribute, Blend, Mesh};
-use crate::simplify::{AttributeWeights, PlacementRule, Preset, Simplifier, SimplifyOptions};
+use crate::simplify::{AttributeWeights, POSE, PlacementRule, Preset, Simplifier, SimplifyOptions};
 
 #[wasm_bindgen]
 extern "C" {
@@ -361,6 +361,8 @@ impl Source {
 
 /// A simplification under way.
 struct Run {
+    /// In the place of the model's mesh: the same with poses.
+    posed: Option<Mesh>,
     /// Until its result is there.
     simplifier: Option<Simplifier>,
     /// The result, while its index is made.
@@ -391,6 +393,8 @@ pub struct Model {
     /// For the next run: a number for each wedge, or nothing.
     weights: Vec<f32>,
     locked: Vec<u8>,
+    /// Where a skin moves the vertices of a wedge set.
+    poses: Vec<(usize, Attribute)>,
     running: Option<Run>,
     record: Option<Recorded>,
     /// The result of a run that kept the record, until a level of it is selected.
@@ -512,6 +516,30 @@ impl Model {
         (self.weights, self.locked) = (weights, locked);
     }
 
+    /// Adds, for all runs, three numbers for each vertex of a wedge set that tell where its skin moves it.
+    #[wasm_bindgen(js_name = addPose)]
+    pub fn add_pose(&mut self, wedge_set: usize, values: Vec<f32>) -> Result<(), JsValue> {
+        let set = self.mesh().wedge_sets.get(wedge_set).ok_or_else(|| missing("wedgeSet"))?;
+        if values.len() != 3 * set.wedges.len() {
+            return Err(missing("values"));
+        }
+        let name = format!("{POSE}{}", self.poses.iter().filter(|(known, _)| *known == wedge_set).count());
+        self.poses.push((wedge_set, Attribute { name, components: 3, values, blend: Blend::Linear }));
+        Ok(())
+    }
+
+    /// The mesh with the poses among its attributes, if there are any.
+    fn posed(&self) -> Option<Mesh> {
+        if self.poses.is_empty() {
+            return None;
+        }
+        let mut mesh = self.mesh().clone();
+        for (set, pose) in &self.poses {
+            mesh.wedge_sets[*set].attributes.push(pose.clone());
+        }
+        Some(mesh)
+    }
+
     /// Starts a simplification; an earlier sequence stays until this one is done.
     #[wasm_bindgen(js_name = beginSimplify)]
     pub fn begin_simplify(&mut self, options: &str) -> Result<(), JsValue> {
@@ -521,10 +549,12 @@ impl Model {
             options.weights = std::mem::take(&mut self.weights);
         }
         options.locked = std::mem::take(&mut self.locked).into_iter().map(|locked| locked != 0).collect();
-        let simplifier = Simplifier::new(self.mesh(), &options).map_err(thrown)?;
+        let posed = self.posed();
+        let simplifier = Simplifier::new(posed.as_ref().unwrap_or(self.mesh()), &options).map_err(thrown)?;
         let SimplifyRequest { keep_levels, index_levels, .. } = request;
         let max_error = options.max_error;
-        self.running = Some(Run { simplifier: Some(simplifier), recorded: None, max_error, keep_levels, index_levels });
+        let simplifier = Some(simplifier);
+        self.running = Some(Run { posed, simplifier, recorded: None, max_error, keep_levels, index_levels });
         Ok(())
     }
 
@@ -536,7 +566,7 @@ impl Model {
         let mesh = source.mesh();
         let fraction = match (&mut run.simplifier, &mut run.recorded) {
             (Some(simplifier), _) => {
-                let progress = simplifier.step(mesh, work.clamp(1.0, 1e9) as usize);
+                let progress = simplifier.step(run.posed.as_ref().unwrap_or(mesh), work.clamp(1.0, 1e9) as usize);
                 if progress.done {
                     run.take_result(mesh);
                 }
@@ -555,8 +585,9 @@ impl Model {
     #[wasm_bindgen(js_name = stopSimplify)]
     pub fn stop_simplify(&mut self) -> Result<(), JsValue> {
         let Self { source, running, .. } = self;
-        if let Some(simplifier) = &mut running.as_mut().ok_or_else(not_simplifying)?.simplifier {
-            simplifier.stop(source.mesh());
+        let Run { posed, simplifier, .. } = running.as_mut().ok_or_else(not_simplifying)?;
+        if let Some(simplifier) = simplifier {
+            simplifier.stop(posed.as_ref().unwrap_or(source.mesh()));
         }
         self.finish();
         Ok(())
@@ -767,6 +798,7 @@ impl Model {
             source,
             weights: Vec::new(),
             locked: Vec::new(),
+            poses: Vec::new(),
             running: None,
             record: None,
             result: None,
@@ -817,7 +849,11 @@ const SIMPLIFYING_SHARE: f32 = 0.9;
 
 impl Recorded {
     fn new(mesh: &Mesh, simplifier: Simplifier, max_error: f32) -> Self {
-        let sequence = simplifier.finish();
+        let mut sequence = simplifier.finish();
+        // Poses are for the cost alone: the file has no such attributes.
+        for (layout, set) in sequence.solved.layouts.iter_mut().zip(&mesh.wedge_sets) {
+            layout.retain(|solved| solved.attribute < set.attributes.len());
+        }
         let is_whole = lod::is_whole(mesh, &sequence);
         Self { sequence, levels: Levels::default(), is_whole, max_error }
     }

@@ -4,8 +4,8 @@ import { join } from 'node:path';
 import { describe, expect, it } from 'vitest';
 import { openDocument, type Report } from 'decimesh';
 import { testWithAsset } from './support/assets.ts';
-import { glb, gltfOf } from './support/glb.ts';
-import { INVALID_FILES } from './support/invalid_files.ts';
+import { glb, glbTree, gltfOf } from './support/glb.ts';
+import { INVALID_FILES, WITHOUT_TRIANGLES } from './support/invalid_files.ts';
 import { hills, objOf } from './support/meshes.ts';
 import { decimesh, temporaryDirectory } from './support/program.ts';
 import { gltfErrors } from './support/validate.ts';
@@ -298,6 +298,33 @@ describe('bad files', () => {
     expect(result.stderr.startsWith(`${code}: ${directory}`), result.stderr).toBe(true);
     expect(result.stderr).toMatch(place);
     expect(readdirSync(directory)).toEqual([name]);
+  });
+
+  it('keeps to a limit of memory', async () => {
+    const { at, input } = workspace();
+    const refused = await decimesh(input, '-o', at('out.glb'), '-r', '0.5', '--memory-limit', '1k');
+    expect([refused.code, refused.stderr]).toEqual([3, expect.stringMatching(/^too-large: /)]);
+    expect((await decimesh(input, '-o', at('out.glb'), '-r', '0.5', '--memory-limit', '500MB')).code).toBe(0);
+    expect((await decimesh(input, '-o', at('out.glb'), '-r', '0.5', '--memory-limit', 'much')).code).toBe(2);
+  });
+
+  it.each(WITHOUT_TRIANGLES)('$name goes through with a warning, as a glTF alone', async ({ name, bytes }) => {
+    const directory = temporaryDirectory();
+    const input = join(directory, name);
+    writeFileSync(input, bytes);
+    for (const output of ['out.glb', 'out.gltf']) {
+      for (const target of [['-r', '0.5', '--measure', '--compress', 'meshopt', '--quantize'], ['--size', '100k'], ['-t', '0', '--compress', 'draco']]) {
+        const { code, stdout, stderr } = await decimesh(input, '-o', join(directory, output), '--json', ...target);
+        expect([code, stderr], `${output} ${target.join(' ')}`).toEqual([0, expect.stringMatching(/^warning: no-triangles: [^\n]+\n$/)]);
+        expect(JSON.parse(stdout)).toMatchObject({ stopReason: 'target', output: { triangles: 0 }, estimatedError: 0 });
+      }
+    }
+    expect(await gltfErrors(readFileSync(join(directory, 'out.glb')))).toEqual([]);
+    expect((await decimesh(input, '-o', join(directory, 'chain.glb'), '--lods', '1,0.5')).code).toBe(0);
+    expect(JSON.stringify(glbTree(readFileSync(join(directory, 'chain.glb'))))).not.toContain('MSFT_lod');
+    const refused = await decimesh(input, '-o', join(directory, 'out.obj'), '-r', '0.5');
+    expect([refused.code, refused.stderr]).toEqual([3, expect.stringContaining('no-triangles: ')]);
+    expect(readdirSync(directory)).not.toContain('out.obj');
   });
 
   it('has no control characters of the file in the message', async () => {

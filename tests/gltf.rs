@@ -16,8 +16,12 @@ mod malformed;
 mod reading;
 #[path = "gltf/round_trip.rs"]
 mod round_trip;
+#[path = "gltf/sparse_targets.rs"]
+mod sparse_targets;
 #[path = "gltf/whole_files.rs"]
 mod whole_files;
+#[path = "gltf/without_triangles.rs"]
+mod without_triangles;
 #[path = "gltf/writing.rs"]
 mod writing;
 

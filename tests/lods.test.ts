@@ -161,6 +161,15 @@ describe('a chain', () => {
     document.dispose();
   });
 
+  it('passes over what is no animation', async () => {
+    const { json, binary } = gltfOf(hills(8));
+    const odd = { animations: [null, 3, { channels: 'none' }, { channels: [null, 7, { target: null }, { target: { node: 0, path: 'scale' } }] }], extensionsUsed: 5 };
+    using document = await openDocument(glb({ json: { ...json, ...odd }, binary }));
+    await document.simplify();
+    const tree = treeOf((await document.write({ lods: [1, 0.5] })).bytes);
+    expect([tree.extensionsUsed, tree.animations?.[3]?.channels.length]).toEqual([['MSFT_lod'], 5]);
+  });
+
   it('refuses what makes no chain', async () => {
     const document = await openDocument(model());
     await expect(document.write({ lods: [1, 0.5] })).rejects.toMatchObject({ code: 'wrong-state' });

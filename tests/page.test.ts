@@ -7,7 +7,7 @@ import { openDocument } from 'decimesh';
 import { readFirstPrimitive, subdivide, writeGlb } from '../benches/support/subdivide.mjs';
 import { at } from '../scripts/project.mjs';
 import { dropFiles, startPage } from './support/browser.mjs';
-import { INVALID_FILES } from './support/invalid_files.ts';
+import { INVALID_FILES, WITHOUT_TRIANGLES } from './support/invalid_files.ts';
 import { ONE_PIXEL, hills, plyOf } from './support/meshes.ts';
 import { gltfErrors } from './support/validate.ts';
 
@@ -248,7 +248,7 @@ describe('bad files', () => {
     await openPage();
     await drop({ name: 'good.glb', bytes: good });
     await ready();
-    for (const { name, bytes, code, place } of INVALID_FILES) {
+    for (const { name, bytes, code, place } of [...INVALID_FILES, ...WITHOUT_TRIANGLES]) {
       await drop({ name, bytes });
       const notice = page.getByRole('alert');
       await notice.waitFor(LONG);

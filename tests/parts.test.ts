@@ -6,6 +6,7 @@ import { COMPRESSIONS, init, openDocument, type DocumentInput, type Parts } from
 import { glb, gltfOf } from './support/glb.ts';
 import { ONE_PIXEL, hills, objOf } from './support/meshes.ts';
 import { decimesh } from './support/program.ts';
+import { gltfErrors } from './support/validate.ts';
 
 const sample = (name: string): Uint8Array => new Uint8Array(readFileSync(fileURLToPath(new URL(`../www/samples/${name}`, import.meta.url))));
 const sum = ({ geometry, textures, animation, other }: Parts): number => geometry + textures + animation + other;
@@ -46,6 +47,34 @@ describe('bytes by part', () => {
     const { report } = await helmet.write({ format: 'gltf' });
     expect(report.output.parts.textures).toBe(report.input.parts.textures);
     expect(report.input.parts.textures).toBeGreaterThan(10_000);
+  });
+
+  it('of a chain are those of all its levels, plain and compressed', async () => {
+    using document = await openDocument(sample('desk-fan.glb'));
+    await document.simplify({ placement: 'subset' });
+    const one = await document.write({ compress: 'none' });
+    const sizes: number[] = [];
+    for (const options of [{ compress: 'none' }, { compress: 'meshopt' }, { compress: 'meshopt', quantize: true }, { compress: 'draco' }] as const) {
+      const { bytes, report } = await document.write({ lods: [1, 0.5, 0.1], ...options });
+      expect(await gltfErrors(bytes)).toEqual([]);
+      const { parts, bytes: total } = report.output;
+      expect([sum(parts), total]).toEqual([total, bytes.length]);
+      // Shared by all levels.
+      expect(parts.textures).toBe(one.report.output.parts.textures);
+      expect(parts.geometry).toBeGreaterThan(1000);
+      sizes.push(parts.geometry);
+      using again = await openDocument(bytes);
+      expect(again.summary.meshes).toBe(3 * document.summary.meshes);
+      const triangles = (await again.geometry()).groups.map(({ indices }) => indices.length / 3);
+      const levels = report.lods?.map((level) => level.triangles) ?? [];
+      // Draco leaves out triangles without an area.
+      const missing = levels.reduce((most, count) => most + count, 0) - triangles.reduce((most, count) => most + count, 0);
+      expect(missing).toBeGreaterThanOrEqual(0);
+      expect(missing).toBeLessThan(options.compress === 'draco' ? 50 : 1);
+    }
+    // Plain, packed, coarser and packed.
+    expect(sizes[1]).toBeLessThan(sizes[0] as number);
+    expect(sizes[2]).toBeLessThan(sizes[1] as number);
   });
 
   it('count base64 with what it holds', async () => {

@@ -1,52 +1,20 @@
 // Real files at half their triangles, as GLB: the Khronos validator finds no error that the file did not come with.
-import { existsSync, readFileSync, readdirSync } from 'node:fs';
-import { basename, dirname, extname, join, relative } from 'node:path';
-import { gunzipSync } from 'node:zlib';
+import { existsSync } from 'node:fs';
+import { extname, relative } from 'node:path';
 import { describe, expect, it } from 'vitest';
-import { DecimeshError, externalFiles, init, openDocument } from 'decimesh';
+import { DecimeshError, init, openDocument } from 'decimesh';
 import { assetPath } from './support/assets.ts';
+import { loadModel, modelPaths } from './support/models.ts';
 import { errorsOf } from './support/validate.ts';
 
 // Larger ones take most of the time and have nothing that the others have not.
 const LARGEST = 3e6;
-const MODELS = new Set(['.glb', '.gltf', '.obj', '.ply', '.stl', '.off', '.smf']);
 // Some of the assets are parts of test suites that test just that.
 const FAULTS_OF_FILES = new Set<string>(['no-triangles', 'unsupported', 'missing-resource', 'syntax', 'truncated', 'out-of-range', 'not-finite', 'unknown-format']);
 const present = existsSync(assetPath('.'));
 
-interface Named {
-  readonly name: string;
-  readonly bytes: Uint8Array<ArrayBuffer>;
-}
-
-/** The models of the assets; large text files are compressed there. */
-function models(): string[] {
-  const paths = readdirSync(assetPath('.'), { recursive: true, withFileTypes: true })
-    .filter((entry) => entry.isFile())
-    .map(({ parentPath, name }) => join(parentPath, name));
-  return paths.filter((path) => MODELS.has(extname(path.replace(/\.gz$/, '')).toLowerCase())).sort();
-}
-
-function load(path: string): Named[] {
-  const read = (file: string): Uint8Array<ArrayBuffer> => new Uint8Array(file.endsWith('.gz') ? gunzipSync(readFileSync(file)) : readFileSync(file));
-  const files = [{ name: basename(path, '.gz'), bytes: read(path) }];
-  for (const { bytes } of files) {
-    for (const uri of externalFiles(bytes)) {
-      let name = uri;
-      try {
-        name = decodeURIComponent(uri);
-      } catch {
-        // Not an encoded name, then.
-      }
-      const found = join(dirname(path), name);
-      if (!files.some((file) => file.name === name) && existsSync(found)) files.push({ name, bytes: read(found) });
-    }
-  }
-  return files;
-}
-
 async function check(path: string): Promise<'valid' | 'refused' | 'large' | string[]> {
-  const files = load(path);
+  const files = loadModel(path);
   if (files.reduce((sum, { bytes }) => sum + bytes.length, 0) > LARGEST) return 'large';
   try {
     using document = await openDocument(files.map(({ name, bytes }) => new File([bytes], name)));
@@ -70,7 +38,7 @@ describe('real files at half their triangles', () => {
     await init();
     const counts = { valid: 0, refused: 0, large: 0 };
     const failures: string[] = [];
-    for (const path of models()) {
+    for (const path of modelPaths()) {
       const name = relative(assetPath('.'), path);
       if (name.startsWith('invalid')) continue;
       const result = await check(path);

@@ -1,5 +1,6 @@
 // The conversation with the worker: opens files, records the history, and keeps what is shown in step with what is
 // wanted. Only the latest wish counts: one request is under way, and what was asked for meanwhile is read when it ends.
+import { DecimeshError } from 'decimesh/worker';
 import type { DocumentProxy, Report, WorkerClient } from 'decimesh/worker';
 import { isChain, runKey } from './choices.ts';
 import type { Goal } from './choices.ts';
@@ -216,6 +217,9 @@ export class Session {
     const document = await this.client.openDocument(files, { signal, onProgress });
     try {
       signal.throwIfAborted();
+      const none = document.summary.warnings.find(({ code }) => code === 'no-triangles');
+      // The library passes it through; here there would be nothing to see or to choose.
+      if (none !== undefined) throw new DecimeshError('no-triangles', none.message, none.where);
       const { bytes, report } = await document.write({ format: 'glb', compress: 'none' });
       signal.throwIfAborted();
       // The view takes the bytes over.

@@ -5,7 +5,8 @@ import { DecimeshError } from '../errors.js';
 import { PRESETS, WEIGHT_NAMES, isPreset } from '../options.js';
 import { COMPRESSIONS, isCompression } from '../formats.js';
 import { isProgressivePath } from './output.js';
-import type { AttributeWeights, Compression, DocumentSimplifyOptions } from '../types.js';
+import { IMAGE_FORMATS, isImageFormat } from '../prepare/options.js';
+import type { AttributeWeights, Compression, DocumentSimplifyOptions, PrepareOptions } from '../types.js';
 
 /** Files to simplify, and how. */
 export interface Job {
@@ -23,6 +24,7 @@ export interface Job {
   /** Undefined: as the input has it. */
   readonly compress: Compression | undefined;
   readonly quantize: boolean;
+  readonly prepare: PrepareOptions | undefined;
   readonly json: boolean;
   /** Whether the deviation is to be measured. */
   readonly measure: boolean;
@@ -62,12 +64,17 @@ How:
   --weight-scale S     times this; a weight of 10 makes a collapse 11 times as dear
   --preset NAME        time against quality: fast, balanced (default) or best
   --time-budget MS     simplify for at most so many milliseconds; the result is what was done by then
+  --memory-limit BYTES simplify in at most so much memory beside the model, or end with too-large: 500M
 
 Output:
   -o, --output FILE    replaced only when all went well; never the input itself
   -d, --directory DIR  INPUT in its own format, .gltf as .glb
   --compress NAME      none, meshopt or draco, for .glb and .gltf; default: as the input has it
   --quantize           attributes as integers, for .glb and .gltf (Draco does that by itself)
+  --prepare LIST       dedup, prune (what nothing in the file needs), resample (animations), for .glb and .gltf
+  --texture-size N     textures of at most N pixels; on Node this and the next two need the package sharp
+  --texture-format F   webp, jpeg or png; default: as they are
+  --texture-quality Q  of webp and jpeg, 0 to 1, default 0.8
   --measure            measure how far the result is from the original, both ways, and report it
   --json               a report on standard output: an object, or an array of them for several inputs
   -h, --help           this text
@@ -89,6 +96,7 @@ const OPTIONS = {
   placement: { type: 'string' },
   preset: { type: 'string' },
   'time-budget': { type: 'string' },
+  'memory-limit': { type: 'string' },
   'lock-border': { type: 'boolean' },
   prune: { type: 'boolean' },
   'merge-distance': { type: 'string' },
@@ -96,6 +104,10 @@ const OPTIONS = {
   'weight-scale': { type: 'string' },
   compress: { type: 'string' },
   quantize: { type: 'boolean' },
+  prepare: { type: 'string' },
+  'texture-size': { type: 'string' },
+  'texture-format': { type: 'string' },
+  'texture-quality': { type: 'string' },
   measure: { type: 'boolean' },
   output: { type: 'string', short: 'o' },
   directory: { type: 'string', short: 'd' },
@@ -140,16 +152,18 @@ export function readArguments(args: readonly string[]): Command {
   const lods = levelList(values.lods);
   if (lods !== undefined && measure) throw usage('--measure', 'is of one level; leave out --lods');
   if (lods?.length === 1 && directory === undefined) throw usage('--lods', 'name at least two levels for one file');
-  const size = byteCount(values.size);
+  const size = byteCount('--size', values.size);
+  const prepare = prepareOptions(values);
   const options = simplifyOptions(values, lods, isProgressivePath(output));
-  return { action: 'simplify', inputs, output, directory, json, measure, options, size, lods, compress, quantize };
+  return { action: 'simplify', inputs, output, directory, json, measure, options, size, lods, compress, quantize, prepare };
 }
 
 function simplifyOptions(values: Values, lods: readonly number[] | undefined, progressive: boolean): DocumentSimplifyOptions {
   const { ratio, triangles, error, size, placement, preset } = values;
   const targets = Object.entries({ ratio, triangles, error, size, 'max-deviation': values['max-deviation'] }).filter(([, value]) => value !== undefined);
   if (progressive) {
-    const wrong = ['size', 'max-deviation', 'lods', 'compress', 'quantize', 'measure'].find((name) => values[name as keyof Values] !== undefined);
+    const others = ['prepare', 'texture-size', 'texture-format', 'texture-quality'];
+    const wrong = ['size', 'max-deviation', 'lods', 'compress', 'quantize', 'measure', ...others].find((name) => values[name as keyof Values] !== undefined);
     if (wrong !== undefined) throw usage(`--${wrong}`, 'is not possible with a .pmesh, which has all levels');
     if (placement === 'optimal') throw usage('--placement', 'must be subset for a .pmesh');
   } else if (targets.length === 0 && lods === undefined) {
@@ -177,12 +191,34 @@ function simplifyOptions(values: Values, lods: readonly number[] | undefined, pr
     placement: progressive ? 'subset' : placement,
     preset,
     timeBudget: number('--time-budget', values['time-budget'], 'a number of milliseconds of at least 0', () => true),
+    memoryLimit: byteCount('--memory-limit', values['memory-limit']),
     lockBorder: values['lock-border'],
     prune: values.prune,
     mergeDistance: lengthOf('--merge-distance', values['merge-distance']),
     weightAttribute: values['weight-attribute'],
     weightScale: number('--weight-scale', values['weight-scale'], 'a number of at least 0', () => true),
   };
+}
+
+const PREPARATIONS = ['dedup', 'prune', 'resample'] as const;
+
+function prepareOptions(values: Values): PrepareOptions | undefined {
+  const steps = values.prepare?.split(',') ?? [];
+  for (const step of steps) {
+    if (!PREPARATIONS.some((known) => known === step)) throw usage('--prepare', `must be a list of ${PREPARATIONS.join(', ')}, not '${values.prepare}'`);
+  }
+  const format = values['texture-format'];
+  if (format !== undefined && !isImageFormat(format)) {
+    throw usage('--texture-format', `must be ${IMAGE_FORMATS.join(', ')}, not '${format}'`);
+  }
+  const textures = {
+    maxSize: number('--texture-size', values['texture-size'], 'an integer of at least 1', (value) => Number.isSafeInteger(value) && value >= 1),
+    format,
+    quality: number('--texture-quality', values['texture-quality'], 'a number from 0 to 1', (value) => value <= 1),
+  };
+  const hasTextures = Object.values(textures).some((value) => value !== undefined);
+  if (steps.length === 0 && !hasTextures) return undefined;
+  return { ...Object.fromEntries(steps.map((step) => [step, true])), ...(hasTextures ? { textures } : {}) };
 }
 
 function attributeWeights(text: string | undefined): AttributeWeights | undefined {
@@ -225,12 +261,12 @@ function levelList(text: string | undefined): number[] | undefined {
 
 const UNITS: Readonly<Record<string, number>> = { '': 1, k: 1e3, m: 1e6, g: 1e9, ki: 1024, mi: 1024 ** 2, gi: 1024 ** 3 };
 
-function byteCount(text: string | undefined): number | undefined {
+function byteCount(name: string, text: string | undefined): number | undefined {
   if (text === undefined) return undefined;
   const [, digits, unit = ''] = /^(.*?)\s*([kmg]i?)?b?$/i.exec(text) ?? [];
   const wanted = 'a number of bytes above 0, such as 500k or 2MB';
   const value = DECIMAL.test(digits ?? '') ? Number(digits) * (UNITS[unit.toLowerCase()] as number) : NaN;
-  if (!Number.isFinite(value) || value <= 0) throw usage('--size', `must be ${wanted}, not '${text}'`);
+  if (!Number.isFinite(value) || value <= 0) throw usage(name, `must be ${wanted}, not '${text}'`);
   return value;
 }
 

@@ -58,6 +58,20 @@ export function textOf({ json }: Container): string | undefined {
   }
 }
 
+/** A GLB of one buffer as its tree and the buffer's content. */
+export interface Glb {
+  readonly json: Tree;
+  readonly binary: Uint8Array;
+}
+
+/** Takes apart a GLB that the engine has written; throws `too-large` when its JSON is longer than a string can be. */
+export function parseGlb(bytes: Uint8Array): Glb {
+  const container = splitContainer(bytes);
+  const text = container && textOf(container);
+  if (container === undefined || text === undefined) throw new DecimeshError('too-large', 'the JSON is too large to be encoded', 'output');
+  return { json: JSON.parse(text) as Tree, binary: container.binary ?? new Uint8Array() };
+}
+
 /** `tree` as text; throws `too-large` when it is nested too deeply or too long to be written. */
 export function encodeTree(tree: Tree): Uint8Array<ArrayBuffer> {
   try {

@@ -70,7 +70,7 @@ export async function encodeDraco(data: GltfData): Promise<Encoded> {
 }
 
 function warnOf(left: number, dropped: number): Warning[] {
-  const message = `${left} ${left === 1 ? 'primitive is' : 'primitives are'} not compressed: Draco has no morph targets and no 32-bit integers`;
+  const message = `${left} ${left === 1 ? 'primitive is' : 'primitives are'} not compressed: Draco cannot hold what ${left === 1 ? 'its' : 'their'} vertices have`;
   const degenerate = `${dropped} ${dropped === 1 ? 'triangle' : 'triangles'} without an area, which Draco cannot store, left out`;
   return [
     ...(left > 0 ? [{ code: 'not-compressed', message, where: '' }] : []),
@@ -78,21 +78,21 @@ function warnOf(left: number, dropped: number): Warning[] {
   ];
 }
 
-/**
- * The primitive's data; undefined where Draco cannot stand for them: an attribute that cannot be read, or morph
- * targets, whose order Draco would change.
- */
+/** The primitive's data; undefined where Draco cannot stand for them: an attribute that cannot be read. */
 function gather(data: GltfData, primitive: Triangles): Source | undefined {
   const layouts = primitive.attributes.map(([, accessor]) => data.layout(accessor));
   const count = layouts[0]?.count ?? 0;
   const fits = layouts.every((layout): layout is Layout => layout?.count === count && layout.componentType !== 5125);
-  if (!fits || primitive.targets.length > 0 || !primitive.attributes.some(([semantic]) => semantic === 'POSITION')) return undefined;
+  const targets = primitive.targets.flat().map(([, accessor]) => data.accessor(accessor)['count']);
+  if (!fits || targets.some((own) => own !== count) || !primitive.attributes.some(([semantic]) => semantic === 'POSITION')) return undefined;
   const values = Uint32Array.from(data.values(data.layout(primitive.indices) as Layout));
   const remap = new Uint32Array(count).fill(0xffff_ffff);
   for (const vertex of values) {
     if (vertex >= count) return undefined;
     remap[vertex] = 0;
   }
+  // Morph targets are not packed: they number the vertices as they are.
+  if (targets.length > 0) return { primitive, indices: values, vertices: Uint32Array.from(remap.keys()), layouts };
   const vertices = new Uint32Array(count);
   let used = 0;
   for (let vertex = 0; vertex < count; vertex += 1) {
@@ -137,7 +137,9 @@ function encodePrimitive(draco: DracoEncoderModule, data: GltfData, source: Sour
   const ids = primitive.attributes.map(([semantic], index) => addAttribute(draco, builder, mesh, semantic, rows(data, layouts[index] as Layout, vertices), layouts[index] as Layout));
   const encoder = new draco.ExpertEncoder(mesh);
   const out = new draco.DracoInt8Array();
-  encoder.SetEncodingMethod(draco.MESH_EDGEBREAKER_ENCODING);
+  // The better method puts vertices in an order of its own.
+  const keepsOrder = primitive.targets.some((target) => target.length > 0);
+  encoder.SetEncodingMethod(keepsOrder ? draco.MESH_SEQUENTIAL_ENCODING : draco.MESH_EDGEBREAKER_ENCODING);
   encoder.SetSpeedOptions(SPEED, SPEED);
   encoder.SetTrackEncodedProperties(true);
   for (const [index, [semantic]] of primitive.attributes.entries()) {
@@ -149,7 +151,11 @@ function encodePrimitive(draco: DracoEncoderModule, data: GltfData, source: Sour
   }
   const length = encoder.EncodeToDracoBuffer(false, out);
   if (length <= 0) throw new DecimeshError('unsupported', 'Draco cannot encode this geometry', `meshes[${primitive.mesh}]`);
-  const packed = { source, bytes: bytesOf(out, length), points: encoder.GetNumberOfEncodedPoints(), faces: encoder.GetNumberOfEncodedFaces() };
+  const points = encoder.GetNumberOfEncodedPoints();
+  if (keepsOrder && points !== vertices.length) {
+    throw new DecimeshError('unsupported', 'Draco does not keep the order of the vertices', `meshes[${primitive.mesh}]`);
+  }
+  const packed = { source, bytes: bytesOf(out, length), points, faces: encoder.GetNumberOfEncodedFaces() };
   for (const object of [out, encoder, mesh, builder]) draco.destroy(object);
   return packed;
 }
@@ -202,6 +208,7 @@ function accessorsToKeep(data: GltfData, triangles: readonly Triangles[], source
     for (const [, accessor] of [primitive.attributes, ...primitive.targets].flat()) kept.add(accessor);
     kept.add(primitive.indices);
   }
+  for (const primitive of packed) for (const [, accessor] of primitive.targets.flat()) kept.add(accessor);
   return kept;
 }
 

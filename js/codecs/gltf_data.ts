@@ -1,7 +1,6 @@
 // A GLB taken apart for the encoders: its tree, and the bytes of each buffer view on its own.
 
-import { DecimeshError } from '../errors.js';
-import { buildGlb, encodeTree, splitContainer, textOf } from './container.js';
+import { buildGlb, encodeTree, parseGlb } from './container.js';
 import {
   COMPONENT_ARRAYS,
   arrayAt,
@@ -9,6 +8,7 @@ import {
   componentsOf,
   objectOr,
   objects,
+  sparseRows,
   uint,
   type ComponentType,
   type Tree,
@@ -42,6 +42,9 @@ export interface Triangles {
 /** An array of numbers as glTF stores them. */
 export type Values = InstanceType<(typeof COMPONENT_ARRAYS)[ComponentType]>;
 
+/** A buffer may not be empty. */
+const ONE_BYTE = 'data:application/octet-stream;base64,AA==';
+
 /** A glTF whose geometry is being encoded. What cannot be understood is left alone, never an error. */
 export class GltfData {
   readonly tree: Tree;
@@ -51,11 +54,8 @@ export class GltfData {
 
   /** Takes apart a GLB of one buffer, as the engine writes it. */
   constructor(glb: Uint8Array) {
-    const container = splitContainer(glb);
-    const text = container && textOf(container);
-    if (container === undefined || text === undefined) throw new DecimeshError('too-large', 'the JSON is too large to be encoded', 'output');
-    this.tree = JSON.parse(text) as Tree;
-    const binary = container.binary ?? new Uint8Array();
+    const { json, binary } = parseGlb(glb);
+    this.tree = json;
     for (const view of objects(this.tree, 'bufferViews')) {
       const offset = uint(view['byteOffset']) ?? 0;
       this.views.push(binary.subarray(offset, offset + (uint(view['byteLength']) ?? 0)));
@@ -78,8 +78,8 @@ export class GltfData {
     const [view, count] = [uint(json['bufferView']), uint(json['count'])];
     const [componentType, components] = [componentTypeOf(json['componentType']), componentsOf(json)];
     if (view === undefined || count === undefined || componentType === undefined || components === undefined) return undefined;
-    // Columns of small matrices are padded, which nothing here needs to know.
-    if (json['sparse'] !== undefined || String(json['type']).startsWith('MAT')) return undefined;
+    // Columns of matrices of small numbers are padded, which nothing here needs to know.
+    if (json['sparse'] !== undefined || (String(json['type']).startsWith('MAT') && componentType !== 5126)) return undefined;
     const size = components * COMPONENT_ARRAYS[componentType].BYTES_PER_ELEMENT;
     const stride = uint(this.view(view)['byteStride']) ?? size;
     const offset = uint(json['byteOffset']) ?? 0;
@@ -120,6 +120,47 @@ export class GltfData {
     return found;
   }
 
+  /**
+   * Puts every element of the morph targets into bytes where the file has only those that are not zero; with `blank` also
+   * of those that are zero throughout. What numbers vertices anew, or changes the meaning of values, needs that.
+   */
+  makeTargetsDense(triangles: readonly Triangles[], blank: boolean): void {
+    const freed = new Set<number>();
+    for (const { attributes, targets } of triangles) {
+      const vertices = attributes[0] && this.layout(attributes[0][1])?.count;
+      for (const [, index] of targets.flat()) {
+        const json = this.accessor(index);
+        const [componentType, components] = [componentTypeOf(json['componentType']), componentsOf(json)];
+        const isKept = json['bufferView'] !== undefined || (json['sparse'] === undefined && !blank);
+        if (isKept || vertices === undefined || json['count'] !== vertices || componentType === undefined || components === undefined) continue;
+        const size = components * COMPONENT_ARRAYS[componentType].BYTES_PER_ELEMENT;
+        // Vertex data lie on multiples of four.
+        const stride = Math.ceil(size / 4) * 4;
+        const bytes = new Uint8Array(vertices * stride);
+        if (json['sparse'] !== undefined && !this.#unpackSparse(objectOr(json['sparse']), bytes, size, stride, freed)) continue;
+        delete json['sparse'];
+        json['bufferView'] = this.addView(bytes, { byteStride: stride, target: 34962 });
+      }
+    }
+    this.freeViews(freed);
+  }
+
+  /** Puts sparse elements into rows; false, with nothing done, where they are not whole. */
+  #unpackSparse(sparse: Tree, rows: Uint8Array, size: number, stride: number, freed: Set<number>): boolean {
+    const holders = [objectOr(sparse['indices']), objectOr(sparse['values'])];
+    const [indices, values] = holders.map((json) => this.views[uint(json['bufferView']) ?? -1]?.subarray(uint(json['byteOffset']) ?? 0));
+    const [count, componentType] = [uint(sparse['count']), componentTypeOf(holders[0]?.['componentType'])];
+    if (indices === undefined || values === undefined || count === undefined || componentType === undefined) return false;
+    const indexSize = COMPONENT_ARRAYS[componentType].BYTES_PER_ELEMENT;
+    if (indices.length < count * indexSize || values.length < count * size) return false;
+    for (const [at, row] of sparseRows(indices, 0, count, indexSize).entries()) {
+      if ((row + 1) * stride > rows.length) return false;
+      rows.set(values.subarray(at * size, (at + 1) * size), row * stride);
+    }
+    for (const json of holders) freed.add(json['bufferView'] as number);
+    return true;
+  }
+
   /** Accessors that something else than the attributes and indices of `triangles` needs. */
   usedElsewhere(triangles: readonly Triangles[]): Set<number> {
     const used = new Set<number>();
@@ -150,17 +191,31 @@ export class GltfData {
     return index;
   }
 
+  /** Keeps the views of these numbers, numbered anew in this order, and removes all others. */
+  keepViews(kept: readonly number[]): void {
+    const json = arrayAt(this.tree, 'bufferViews');
+    const bytes = kept.map((view) => this.views[view] as Uint8Array);
+    this.tree['bufferViews'] = kept.map((view) => json[view]);
+    this.views.splice(0, this.views.length, ...bytes);
+    this.#spare.length = 0;
+  }
+
+  /** The views that something else than the elements of an accessor needs. */
+  viewsBesideAccessors(): Set<number> {
+    const found = new Set<number>();
+    const mark = (value: unknown): void => void found.add(uint(value) ?? -1);
+    for (const accessor of objects(this.tree, 'accessors')) {
+      for (const key of ['indices', 'values']) mark(objectOr(objectOr(accessor['sparse'])[key])['bufferView']);
+    }
+    for (const image of objects(this.tree, 'images')) mark(image['bufferView']);
+    markInExtensions(this.tree, false, mark, ['bufferView', 'values', 'arrayOffsets', 'stringOffsets']);
+    return found;
+  }
+
   /** Gives back views that no accessor needs any more, and of which only accessors knew. */
   freeViews(candidates: ReadonlySet<number>): void {
-    const used = new Set<number>();
-    for (const accessor of objects(this.tree, 'accessors')) {
-      for (const json of [accessor, objectOr(objectOr(accessor['sparse'])['indices']), objectOr(objectOr(accessor['sparse'])['values'])]) {
-        const view = uint(json['bufferView']);
-        if (view !== undefined) used.add(view);
-      }
-    }
-    for (const image of objects(this.tree, 'images')) used.add(uint(image['bufferView']) ?? -1);
-    markInExtensions(this.tree, false, (view) => used.add(uint(view) ?? -1), ['bufferView']);
+    const used = this.viewsBesideAccessors();
+    for (const { bufferView } of objects(this.tree, 'accessors')) used.add(uint(bufferView) ?? -1);
     for (const view of [...candidates].filter((view) => !used.has(view)).sort((a, b) => b - a)) {
       if (this.#spare.includes(view)) continue;
       this.views[view] = new Uint8Array();
@@ -198,11 +253,15 @@ export class GltfData {
       pieces.push(stored, new Uint8Array((8 - (stored.length % 8)) % 8));
       length += Math.ceil(stored.length / 8) * 8;
     }
-    const buffers = arrayAt(this.tree, 'buffers');
-    buffers.length = 0;
-    if (length > 0) buffers.push({ byteLength: length });
-    else delete this.tree['buffers'];
+    // Everything is in the first now. The others stay for what they say of themselves.
+    const [first, ...others] = objects(this.tree, 'buffers');
+    const { uri: _uri, byteLength: _byteLength, ...said } = first ?? {};
+    const buffers: Tree[] = length > 0 ? [{ ...said, byteLength: length }] : [];
+    if (length === 0 && Object.keys(said).length + others.length > 0) buffers.push({ ...said, uri: ONE_BYTE, byteLength: 1 });
     if (packed.size > 0) buffers.push({ byteLength: unpacked, extensions: { [extension]: { fallback: true } } });
+    buffers.push(...others);
+    if (buffers.length > 0) this.tree['buffers'] = buffers;
+    else delete this.tree['buffers'];
     if (views.length === 0) delete this.tree['bufferViews'];
     return buildGlb(encodeTree(this.tree), pieces);
   }

@@ -95,6 +95,14 @@ export function componentTypeOf(value: unknown): ComponentType | undefined {
   return typeof value === 'number' && Object.hasOwn(COMPONENT_ARRAYS, value) ? (value as ComponentType) : undefined;
 }
 
+/** The numbers of the `count` elements that a sparse accessor has, from byte `start` on, each `size` bytes wide. */
+export function sparseRows(bytes: Uint8Array, start: number, count: number, size: number): Uint32Array {
+  const view = new DataView(bytes.buffer, bytes.byteOffset + start, count * size);
+  const at = (row: number): number =>
+    size === 1 ? view.getUint8(row) : size === 2 ? view.getUint16(2 * row, true) : view.getUint32(4 * row, true);
+  return Uint32Array.from({ length: count }, (_, row) => at(row));
+}
+
 /** The error for a value in a file that breaks the format's rules. */
 export function syntaxError(where: string, message: string): DecimeshError {
   return new DecimeshError('syntax', message, where);

@@ -19,6 +19,9 @@ const COLOR: f32 = 0.02;
 /// Morph targets that count; those behind them follow.
 const MOST_TARGETS: usize = 8;
 
+/// Begins the names of attributes that say where a skin moves its vertices, in the mesh's own unit; a number follows.
+pub const POSE: &str = "POSE_";
+
 /// What attributes weigh in the cost of a collapse, each as a multiple of a weight that is found for
 /// the model; ≥ 0 and finite. 0: it is blended along, and nothing is done to keep it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +33,7 @@ pub struct AttributeWeights {
     pub texture: f32,
     /// Colours. Default 1.
     pub color: f32,
-    /// Displacements of morph targets, which are lengths by themselves. Default 1.
+    /// Displacements of morph targets, and of skins in poses, which are lengths by themselves. Default 1.
     pub morph: f32,
 }
 
@@ -85,6 +88,7 @@ enum Meaning {
     Texture(u8),
     Color,
     Target(u8),
+    Pose(u8),
 }
 
 impl Layout {
@@ -107,6 +111,7 @@ impl Layout {
                     Meaning::Texture(_) => (2, 0.0),
                     Meaning::Color => (values.components, COLOR * weights.color),
                     Meaning::Target(_) => (3, weights.morph * per_local),
+                    Meaning::Pose(_) => (3, weights.morph * per_local),
                 };
                 if weight > 0.0 && weight.is_finite() {
                     found.push((meaning, s, Placed { attribute, start: 0, length, weight }));
@@ -147,6 +152,7 @@ fn meaning(attribute: &Attribute) -> Option<Meaning> {
         (Blend::Linear, 2) if matches!(name, "TEXCOORD_0" | "uv") => Some(Meaning::Texture(0)),
         (Blend::Linear, 2) if name == "TEXCOORD_1" => Some(Meaning::Texture(1)),
         (Blend::Linear, 3 | 4) if matches!(name, "COLOR_0" | "color") => Some(Meaning::Color),
+        (Blend::Linear, 3) if name.starts_with(POSE) => Some(Meaning::Pose(name[POSE.len()..].parse().ok()?)),
         (Blend::Linear, 3) => {
             let target: u8 = name.strip_prefix("TARGET_")?.strip_suffix("/POSITION")?.parse().ok()?;
             (usize::from(target) < MOST_TARGETS).then_some(Meaning::Target(target))

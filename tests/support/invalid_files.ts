@@ -56,18 +56,6 @@ export const INVALID_FILES: readonly InvalidFile[] = [
     place: /POSITION/,
   },
   {
-    name: 'no-triangles.glb',
-    bytes: changed(({ json }) => void (json.meshes[0]!.primitives[0]!.mode = 0)),
-    code: 'no-triangles',
-    place: /no-triangles\.glb/,
-  },
-  {
-    name: 'no-meshes.glb',
-    bytes: glb({ json: { asset: { version: '2.0' } } }),
-    code: 'no-triangles',
-    place: /no-meshes\.glb/,
-  },
-  {
     name: 'view-past-end.glb',
     bytes: changed(({ json }) => void (json.bufferViews[1]!.byteLength = 1_000_000)),
     code: 'out-of-range',
@@ -93,4 +81,20 @@ export const INVALID_FILES: readonly InvalidFile[] = [
   { name: 'infinite.obj', bytes: encode('v 0 0 0\nv 1 0 1e999\nv 0 1 0\nf 1 2 3\n'), code: 'not-finite', place: /infinite\.obj:2/ },
   { name: 'words.obj', bytes: encode('v 0 0 0\nv one 0 0\nv 0 1 0\nf 1 2 3\n'), code: 'syntax', place: /words\.obj:2/ },
   { name: 'points.obj', bytes: encode('v 0 0 0\nv 1 0 0\nv 0 1 0\n'), code: 'no-triangles', place: /points\.obj/ },
+];
+
+/** Files without a triangle, which a page has no use for and which else go through as they are. */
+export const WITHOUT_TRIANGLES: readonly InvalidFile[] = [
+  {
+    name: 'no-triangles.glb',
+    bytes: changed(({ json }) => void (json.meshes[0]!.primitives[0]!.mode = 0)),
+    code: 'no-triangles',
+    place: /no-triangles\.glb/,
+  },
+  {
+    name: 'no-meshes.glb',
+    bytes: glb({ json: { asset: { version: '2.0' } } }),
+    code: 'no-triangles',
+    place: /no-meshes\.glb/,
+  },
 ];

@@ -22,6 +22,20 @@ pub(super) struct Column<'m> {
     pub(super) bounds: bool,
     /// Whether the numbers of an element are skin weights, which add up to 1.
     pub(super) weights: bool,
+    /// Whether only the elements that are not zero were stored, and may be again.
+    pub(super) sparse: bool,
+}
+
+/// What the description of sparse storage takes in the JSON, in bytes, about.
+const SPARSE_TEXT: usize = 160;
+
+/// `componentType` of the numbers of sparse elements, of which `last` is the largest, and the bytes of one.
+pub(super) fn sparse_index(last: u32) -> (u32, usize) {
+    match last {
+        0..=0xff => (5121, 1),
+        0x100..=0xffff => (5123, 2),
+        _ => (5125, 4),
+    }
 }
 
 /// The numbers themselves, where they lie in the mesh.
@@ -53,6 +67,19 @@ impl Column<'_> {
         }
     }
 
+    /// The elements that are not zero, if they alone, with their numbers, take fewer bytes than all.
+    pub(super) fn sparse_elements(&self) -> Option<Vec<u32>> {
+        if !self.sparse {
+            return None;
+        }
+        let components = self.layout.components();
+        let is_zero = |element: usize| (0..components).all(|c| self.layout.to_stored(self.number(element, c)) == 0.0);
+        let elements: Vec<u32> = (0..self.count()).filter(|&e| !is_zero(e)).map(|e| e as u32).collect();
+        let (_, index_size) = sparse_index(*elements.last()?);
+        let size = self.layout.byte_size();
+        (elements.len() * (size + index_size) + SPARSE_TEXT < self.count() * size).then_some(elements)
+    }
+
     fn number(&self, element: usize, component: usize) -> f64 {
         match self.content {
             Content::Positions(positions) => f64::from(positions[element][component]),
@@ -61,20 +88,26 @@ impl Column<'_> {
         }
     }
 
-    /// Writes all elements into `out`, `stride` apart from `offset` on, and gives the bounds of
+    /// Writes `elements` into `out`, `stride` apart from `offset` on, and gives the bounds of
     /// each component as stored.
-    pub(super) fn store(&self, out: &mut [u8], offset: usize, stride: usize) -> Vec<(f64, f64)> {
+    pub(super) fn store(
+        &self,
+        elements: &mut dyn Iterator<Item = usize>,
+        out: &mut [u8],
+        offset: usize,
+        stride: usize,
+    ) -> Vec<(f64, f64)> {
         let components = self.layout.components();
         let mut bounds = vec![(f64::INFINITY, f64::NEG_INFINITY); components];
         let mut stored = vec![0.0; components];
-        for element in 0..self.count() {
+        for (row, element) in elements.enumerate() {
             for (c, stored) in stored.iter_mut().enumerate() {
                 *stored = self.layout.to_stored(self.number(element, c));
             }
             if self.weights {
                 self.layout.complete_weights(&mut stored);
             }
-            let start = offset + element * stride;
+            let start = offset + row * stride;
             for (c, (&stored, bounds)) in stored.iter().zip(&mut bounds).enumerate() {
                 self.layout.encode(stored, &mut out[start + self.layout.offset(c)..]);
                 *bounds = (bounds.0.min(stored), bounds.1.max(stored));

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::column::{Column, bounds_to_json};
+use super::column::{Column, bounds_to_json, sparse_index};
 use super::json::{items, object, remove, remove_extension, uint};
 use super::order::order;
 use super::schema::MESHOPT_EXTENSIONS;
@@ -40,7 +40,8 @@ pub(super) fn pack(
     images: &[Image<'_>],
 ) -> Vec<u8> {
     let mut binary = Vec::new();
-    let blocks = make_blocks(tree, columns, free_views);
+    let sparse: Vec<Option<Vec<u32>>> = columns.iter().map(Column::sparse_elements).collect();
+    let blocks = make_blocks(tree, columns, &sparse, free_views);
     let (placed, pools) = assign_views(&blocks, free_views.len());
     let mut spare: Vec<usize> =
         (0..free_views.len()).rev().filter(|view| free_views[*view] && placed[*view].is_empty()).collect();
@@ -51,6 +52,7 @@ pub(super) fn pack(
         let view = take_view(tree, &mut spare);
         write_view(tree, &mut binary, view, members, &blocks, columns);
     }
+    write_sparse(tree, &mut binary, columns, &sparse, &mut spare);
     for column in columns.iter().filter(|column| is_blank(column)) {
         let zeros = vec![(0.0, 0.0); column.layout.components()];
         edit_accessor(&mut tree["accessors"][column.accessor], column, None, &zeros);
@@ -76,10 +78,6 @@ const PLACEHOLDER: &str = "data:application/octet-stream;base64,AA==";
 /// All content in the first buffer. Every buffer keeps what else it says (name, extras, extensions); the last ones that
 /// say nothing are left out.
 pub(super) fn set_buffer(tree: &mut Value, length: usize) {
-    if length == 0 {
-        remove(tree, "buffers");
-        return;
-    }
     let buffers = array(tree, "buffers");
     for buffer in buffers.iter_mut() {
         remove(buffer, "uri");
@@ -89,23 +87,28 @@ pub(super) fn set_buffer(tree: &mut Value, length: usize) {
     let speaks = |buffer: &Value| buffer.as_object().is_some_and(|buffer| !buffer.is_empty());
     buffers.truncate(buffers.iter().rposition(speaks).map_or(0, |last| last + 1));
     if buffers.is_empty() {
+        if length == 0 {
+            remove(tree, "buffers");
+            return;
+        }
         buffers.push(object(Vec::new()));
     }
     for (b, buffer) in buffers.iter_mut().enumerate() {
-        if b > 0 {
+        let is_chunk = b == 0 && length > 0;
+        if !is_chunk {
             buffer["uri"] = PLACEHOLDER.into();
         }
-        buffer["byteLength"] = if b == 0 { length } else { 1 }.into();
+        buffer["byteLength"] = if is_chunk { length } else { 1 }.into();
     }
 }
 
-fn make_blocks(tree: &Value, columns: &[Column<'_>], free_views: &[bool]) -> Vec<Block> {
+fn make_blocks(tree: &Value, columns: &[Column<'_>], sparse: &[Option<Vec<u32>>], free_views: &[bool]) -> Vec<Block> {
     let old_place = |c: usize| columns[c].old_place.filter(|(view, _)| free_views.get(*view) == Some(&true));
     // Columns without an old place stay in the order in which they were made.
     let keys: Vec<_> = (0..columns.len()).map(|c| (old_place(c).is_none(), old_place(c))).collect();
     let mut blocks: Vec<Block> = Vec::new();
     for c in order(columns.len(), &|a, b| keys[a] < keys[b]) {
-        if is_blank(&columns[c]) {
+        if is_blank(&columns[c]) || sparse[c].is_some() {
             continue;
         }
         let column = &columns[c];
@@ -175,7 +178,7 @@ fn write_view(
         let count = block.columns.first().map_or(0, |&c| columns[c].count());
         binary.resize(offset + count * block.stride, 0);
         for column in block.columns.iter().map(|&c| &columns[c]) {
-            let bounds = column.store(binary, offset, block.stride);
+            let bounds = column.store(&mut (0..column.count()), binary, offset, block.stride);
             let accessor = &mut tree["accessors"][column.accessor];
             edit_accessor(accessor, column, Some((view, offset - start)), &bounds);
             offset += column.layout.byte_size().next_multiple_of(4);
@@ -192,20 +195,70 @@ fn write_view(
     json["target"] = if is_indices { ELEMENT_ARRAY_BUFFER } else { ARRAY_BUFFER }.into();
 }
 
+/// The columns of which only `elements` are stored, with their numbers in one view and their values in another.
+fn write_sparse(
+    tree: &mut Value,
+    binary: &mut Vec<u8>,
+    columns: &[Column<'_>],
+    elements: &[Option<Vec<u32>>],
+    spare: &mut Vec<usize>,
+) {
+    let sparse = || columns.iter().zip(elements).filter_map(|(column, elements)| Some((column, elements.as_ref()?)));
+    if sparse().next().is_none() {
+        return;
+    }
+    let [indices, values] = [take_view(tree, spare), take_view(tree, spare)];
+    align(binary, 4, 0);
+    let start = binary.len();
+    for (column, elements) in sparse() {
+        let last = elements.last().copied().unwrap_or(0);
+        let (component, size) = sparse_index(last);
+        align(binary, size, 0);
+        let place = object(vec![
+            ("bufferView", indices.into()),
+            ("byteOffset", (binary.len() - start).into()),
+            ("componentType", component.into()),
+        ]);
+        tree["accessors"][column.accessor]["sparse"] =
+            object(vec![("count", elements.len().into()), ("indices", place)]);
+        elements.iter().for_each(|element| binary.extend_from_slice(&element.to_le_bytes()[..size]));
+    }
+    place_view(tree, indices, start, binary.len() - start);
+    align(binary, 4, 0);
+    let start = binary.len();
+    for (column, elements) in sparse() {
+        align(binary, 4, 0);
+        let (offset, size) = (binary.len(), column.layout.byte_size());
+        binary.resize(offset + elements.len() * size, 0);
+        let mut bounds = column.store(&mut elements.iter().map(|&e| e as usize), binary, offset, size);
+        // All others are zero.
+        bounds.iter_mut().for_each(|(low, high)| (*low, *high) = (low.min(0.0), high.max(0.0)));
+        let json = &mut tree["accessors"][column.accessor];
+        let mut sparse = json["sparse"].take();
+        sparse["values"] = object(vec![("bufferView", values.into()), ("byteOffset", (offset - start).into())]);
+        edit_accessor(json, column, None, &bounds);
+        json["sparse"] = sparse;
+    }
+    place_view(tree, values, start, binary.len() - start);
+}
+
 /// Zeros that had no bytes in the file get none in the output.
 fn is_blank(column: &Column<'_>) -> bool {
-    column.old_place.is_none() && column.is_zero()
+    (column.old_place.is_none() || column.sparse) && column.is_zero()
 }
 
 fn edit_accessor(json: &mut Value, column: &Column<'_>, place: Option<(usize, usize)>, bounds: &[(f64, f64)]) {
     for key in ["sparse", "min", "max", "byteOffset"] {
         remove(json, key);
     }
-    if let Some((view, offset)) = place {
-        json["bufferView"] = view.into();
-        if offset > 0 {
-            json["byteOffset"] = offset.into();
+    match place {
+        Some((view, offset)) => {
+            json["bufferView"] = view.into();
+            if offset > 0 {
+                json["byteOffset"] = offset.into();
+            }
         }
+        None => remove(json, "bufferView"),
     }
     json["count"] = column.count().into();
     if column.bounds {

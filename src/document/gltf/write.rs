@@ -175,6 +175,7 @@ impl<'m> Columns<'_, 'm> {
                 old_place: place_of(json),
                 bounds: attribute.semantic == "POSITION" || json.get("min").is_some() || json.get("max").is_some(),
                 weights: single_weights && attribute.semantic.starts_with("WEIGHTS_"),
+                sparse: attribute.target.is_some() && json.get("sparse").is_some(),
             };
             self.list.push(column);
             origins.push(attribute.accessor);
@@ -193,7 +194,16 @@ impl<'m> Columns<'_, 'm> {
         let old_place = place_of(json);
         let bounds = json.get("min").is_some() || json.get("max").is_some();
         let layout = Layout::of(json);
-        self.list.push(Column { accessor, layout, content, set: None, old_place, bounds, weights: false });
+        self.list.push(Column {
+            accessor,
+            layout,
+            content,
+            set: None,
+            old_place,
+            bounds,
+            weights: false,
+            sparse: false,
+        });
         accessor
     }
 
