@@ -10,7 +10,7 @@ import type { EngineObject } from '../engine.js';
 import { yieldToEvents } from '../platform.js';
 import type { DocumentSummary } from '../types.js';
 import type { Model } from '../wasm/decimesh.js';
-import { eigen, longestAxis, solve } from './matrices.js';
+import { largestEigen, longestAxis, solve } from './matrices.js';
 import { Stage, type Joints } from './skeleton.js';
 
 /**
@@ -103,11 +103,10 @@ class Skinned {
     // What hangs on one joint moves as a whole, but for rounding.
     const trace = Array.from({ length: size }, (_, k) => covariance[k * size + k] as number).reduce((sum, value) => sum + value, 0);
     if (!(trace > RIGID ** 2 * this.#moments.length * scale ** 2 * this.#spread(samples))) return [];
-    const { values, vectors } = eigen(covariance, size);
-    const all = values.reduce((sum, value) => sum + Math.max(0, value), 0);
-    if (!(all > 0) || !Number.isFinite(all)) return [];
+    const { values, vectors } = largestEigen(covariance, size, 3 * MOST_TRIPLES);
+    if (!Number.isFinite(trace)) return [];
     let wanted = 0;
-    for (let sum = 0; wanted < 3 * MOST_TRIPLES && sum < ENOUGH * all; wanted += 1) sum += Math.max(0, values[wanted] as number);
+    for (let sum = 0; wanted < Math.min(3 * MOST_TRIPLES, values.length) && sum < ENOUGH * trace; wanted += 1) sum += Math.max(0, values[wanted] as number);
     const found = Array.from({ length: Math.ceil(wanted / 3) }, () => new Float32Array(3 * count));
     const unit = Math.sqrt(WEIGHT / this.#moments.length) / scale;
     for (let vertex = 0; vertex < count; vertex += 1) {
