@@ -1,7 +1,7 @@
 // Skins that move: what counts is not the pose at rest alone.
 import { beforeAll, describe, expect, it } from 'vitest';
 import { init, openDocument } from 'decimesh';
-import { eigen, solve } from '../dist/poses/matrices.js';
+import { eigen, largestEigen, solve } from '../dist/poses/matrices.js';
 import { glb, glbTree, gltfOf } from './support/glb.ts';
 import { gltfErrors } from './support/validate.ts';
 
@@ -103,6 +103,14 @@ describe('the maths of poses', () => {
     const { values, vectors } = eigen(Float64Array.from([2, 1, 0, 1, 2, 0, 0, 0, 5]), 3);
     expect(values.map((value) => Math.round(1e9 * value) / 1e9)).toEqual([5, 3, 1]);
     expect(Math.abs(vectors[1]?.[0] ?? 0)).toBeCloseTo(Math.SQRT1_2);
+  });
+
+  it('finds the largest of many axes', () => {
+    const size = 40;
+    const matrix = new Float64Array(size * size);
+    for (let row = 0; row < size; row += 1) for (let column = 0; column < size; column += 1) matrix[row * size + column] = Math.exp(-Math.abs(row - column) / 8) / (1 + row + column);
+    const [all, some] = [eigen(matrix, size), largestEigen(matrix, size, 4)];
+    for (let k = 0; k < 4; k += 1) expect(some.values[k]).toBeCloseTo(all.values[k] as number, 6);
   });
 
   it('solves equations', () => {

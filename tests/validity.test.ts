@@ -19,7 +19,8 @@ async function check(path: string): Promise<'valid' | 'refused' | 'large' | stri
   try {
     using document = await openDocument(files.map(({ name, bytes }) => new File([bytes], name)));
     await document.simplify({ ratio: 0.5, preset: 'fast' });
-    const found = await errorsOf((await document.write({ format: 'glb' })).bytes);
+    // What was not embedded, for it is of no known kind, is still a file beside it.
+    const found = await errorsOf((await document.write({ format: 'glb' })).bytes, files);
     if (found.length === 0) return 'valid';
     // A fault of the file itself is carried through.
     const known = ['.glb', '.gltf'].includes(extname(path)) ? new Set((await errorsOf(files[0]!.bytes, files)).map(({ code }) => code)) : new Set();

@@ -10,7 +10,7 @@ import type { EngineObject } from '../engine.js';
 import { yieldToEvents } from '../platform.js';
 import type { DocumentSummary } from '../types.js';
 import type { Model } from '../wasm/decimesh.js';
-import { eigen, longestAxis, solve } from './matrices.js';
+import { largestEigen, longestAxis, solve } from './matrices.js';
 import { Stage, type Joints } from './skeleton.js';
 
 /**
@@ -28,6 +28,9 @@ const ENOUGH = 0.99;
  * diagonal; more makes what is at rest worse.
  */
 const WEIGHT = 3;
+
+/** Motion below this share of the extent is none. */
+const RIGID = 1e-4;
 
 /** Vertices that the components are found from, at most. */
 const MOST_SAMPLES = 20_000;
@@ -97,11 +100,13 @@ class Skinned {
       for (let a = 0; a < size; a += 1) for (let b = 0; b <= a; b += 1) covariance[a * size + b] = (covariance[a * size + b] as number) + (row[a] as number) * (row[b] as number);
     }
     for (let a = 0; a < size; a += 1) for (let b = a + 1; b < size; b += 1) covariance[a * size + b] = covariance[b * size + a] as number;
-    const { values, vectors } = eigen(covariance, size);
-    const all = values.reduce((sum, value) => sum + Math.max(0, value), 0);
-    if (!(all > 0) || !Number.isFinite(all)) return [];
+    // What hangs on one joint moves as a whole, but for rounding.
+    const trace = Array.from({ length: size }, (_, k) => covariance[k * size + k] as number).reduce((sum, value) => sum + value, 0);
+    if (!(trace > RIGID ** 2 * this.#moments.length * scale ** 2 * this.#spread(samples))) return [];
+    const { values, vectors } = largestEigen(covariance, size, 3 * MOST_TRIPLES);
+    if (!Number.isFinite(trace)) return [];
     let wanted = 0;
-    for (let sum = 0; wanted < 3 * MOST_TRIPLES && sum < ENOUGH * all; wanted += 1) sum += Math.max(0, values[wanted] as number);
+    for (let sum = 0; wanted < Math.min(3 * MOST_TRIPLES, values.length) && sum < ENOUGH * trace; wanted += 1) sum += Math.max(0, values[wanted] as number);
     const found = Array.from({ length: Math.ceil(wanted / 3) }, () => new Float32Array(3 * count));
     const unit = Math.sqrt(WEIGHT / this.#moments.length) / scale;
     for (let vertex = 0; vertex < count; vertex += 1) {
@@ -118,6 +123,17 @@ class Skinned {
       }
     }
     return found.every((pose) => pose.every(Number.isFinite)) ? found : [];
+  }
+
+  /** The sum of the squared distances of the samples from their centre. */
+  #spread(samples: readonly number[]): number {
+    let total = 0;
+    for (let axis = 0; axis < 3; axis += 1) {
+      const values = samples.map((vertex) => this.#positions[3 * vertex + axis] as number);
+      const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+      total += values.reduce((sum, value) => sum + (value - mean) ** 2, 0);
+    }
+    return total;
   }
 
   /** The positions of a vertex in all poses. */
