@@ -264,6 +264,8 @@ pub struct Simplifier {
     /// Triangles when the last resort was begun.
     last_resort_from: usize,
     pruned_count: usize,
+    /// Vertices with usual surroundings may be looked at four neighbours at a time, all at once.
+    near: bool,
     /// Triangles may be contracted whole.
     contracting: bool,
     protection: Protection,
@@ -327,6 +329,7 @@ impl Simplifier {
             spare_sheet_edges: None,
             last_resort_from: 0,
             pruned_count: 0,
+            near: false,
             contracting: false,
             protection: Protection::default(),
             pairs: Pairs::default(),
@@ -529,6 +532,8 @@ impl Simplifier {
             self.options.every_level,
         );
         self.begin_attributes(mesh);
+        self.near =
+            self.options.placement == PlacementRule::Optimal && self.attributes.is_none() && self.pairs.is_empty();
         self.contracting = self.tuning().contract_below > 0.0 && self.contracts();
     }
 
@@ -689,8 +694,8 @@ impl Simplifier {
         if self.options.prune && self.is_last_of_part(v) {
             return self.visit_last_of_part(mesh, v);
         }
-        if self.contracting && self.edges.approach(&self.topology, v) {
-            if self.visit_triangles(mesh, v) {
+        if self.near && self.edges.approach(&self.topology, v) {
+            if self.contracting && self.visit_triangles(mesh, v) {
                 return 4;
             }
             self.edges.solve_near(self.topology.ring(v).len());

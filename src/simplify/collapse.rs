@@ -407,7 +407,7 @@ fn kind_after(kind: VertexKind, form: Form, lines: usize) -> VertexKind {
 impl Patch {
     /// Tests every triangle that stays, and notes the change of its quadric; four at a time. The triangles up to each
     /// slot of `origins` were at the position that goes with it. Returns the quadric of the merged vertex.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn look_at(
         &mut self,
         topology: &Topology,

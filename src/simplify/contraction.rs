@@ -8,6 +8,7 @@
 //! Only the usual case is contracted: manifold vertices with short closed rings, one wedge each, and no attributes in the
 //! cost. Everything else is left to the edges.
 
+use super::Simplifier;
 use super::collapse::{Patch, splice_slots};
 use super::edges::NEAR_RING;
 use super::lanes::{Lanes, Lanes3, WIDTH, equal_bits};
@@ -15,7 +16,6 @@ use super::legality::Refusal;
 use super::placement::Placement;
 use super::quadric::{QuadricLanes, Vec3, larger};
 use super::topology::{Form, NONE, Topology};
-use super::{PlacementRule, Simplifier};
 use crate::mesh::Mesh;
 
 /// Fewest triangles at each corner: with three, a corner has no neighbour of its own.
@@ -24,11 +24,7 @@ const LEAST_RING: usize = 4;
 impl Simplifier {
     /// Whether triangles may be contracted in this run at all.
     pub(super) fn contracts(&self) -> bool {
-        self.options.placement == PlacementRule::Optimal
-            && !self.options.every_level
-            && self.attributes.is_none()
-            && self.protection.is_empty()
-            && self.pairs.is_empty()
+        self.near && !self.options.every_level && self.protection.is_empty()
     }
 
     /// Contracts the triangle if that is legal, and records it as two collapses. The first corner stays, the other two

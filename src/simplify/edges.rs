@@ -49,7 +49,7 @@ pub(super) struct Edge {
 
 impl Edges {
     /// Finds every edge at `v` that the kinds allow, at its best placement.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn gather(
         &mut self,
         topology: &Topology,
@@ -112,25 +112,26 @@ impl Edges {
     /// least cost.
     #[inline(always)]
     pub(super) fn cheapest_triangle(&self, length: usize) -> (usize, Placement) {
-        let Near { own: (at, quadric), ring: [(p0, q0), (p1, q1)] } = &self.near;
-        let last = Lanes::splat(length as f32 - 0.5);
-        let infinite = Lanes::splat(f32::INFINITY);
-        let index = Lanes::new(Lanes::INDEX);
-        // Behind the last lane comes slot 0, also if the second four are the first ones again.
-        let mut first = placement::solve_three([*at, *p0, p0.followed_by(*p1)], [quadric, q0, &q0.followed_by(q1)]);
-        first.cost = Lanes::select(index.at_most(last), first.cost, infinite);
-        let mut second = first;
-        second.cost = infinite;
-        if length > WIDTH {
-            second = placement::solve_three([*at, *p1, p1.followed_by(*p0)], [quadric, q1, &q1.followed_by(q0)]);
-            let index = index + Lanes::splat(WIDTH as f32);
-            second.cost = Lanes::select(index.at_most(last), second.cost, infinite);
+        let Near { own: (at, quadric), ring } = &self.near;
+        let mut last = Lanes::splat(length as f32 - 0.5);
+        let (mut best, mut found) = (0, Placement { position: Vec3::ZERO, cost: f32::INFINITY });
+        for k in 0..length.div_ceil(WIDTH) {
+            // Behind the last lane comes slot 0, also if the second four are the first ones again.
+            let ((p, q), (next_p, next_q)) = (&ring[k], &ring[1 - k]);
+            let four = [*at, *p, p.followed_by(*next_p)];
+            let mut placements = placement::solve_three(four, [quadric, q, &q.followed_by(next_q)]);
+            let counts = Lanes::new(Lanes::INDEX).at_most(last);
+            placements.cost = Lanes::select(counts, placements.cost, Lanes::splat(f32::INFINITY));
+            last = last - Lanes::splat(WIDTH as f32);
+            let (mut lane, mut least) = (WIDTH, found.cost);
+            for (index, cost) in placements.cost.to_array().into_iter().enumerate() {
+                (lane, least) = if cost < least { (index, cost) } else { (lane, least) };
+            }
+            if lane < WIDTH {
+                (best, found) = (k * WIDTH + lane, placements.get(lane));
+            }
         }
-        let (mut best, mut least) = (0, f32::INFINITY);
-        for (index, cost) in first.cost.to_array().into_iter().chain(second.cost.to_array()).enumerate() {
-            (best, least) = if cost < least { (index, cost) } else { (best, least) };
-        }
-        (best, if best < WIDTH { first.get(best) } else { second.get(best - WIDTH) })
+        (best, found)
     }
 
     /// After [`Edges::approach`]: the edges at the vertex, as [`Edges::gather`].
@@ -218,7 +219,7 @@ impl Edges {
     }
 
     /// Solves the edges from `v` to each of `neighbours`, four at a time.
-    #[inline(always)]
+    #[inline(never)]
     fn solve(&mut self, topology: &Topology, attributes: Option<&AttributeField>, v: u32, neighbours: &[u32]) {
         if let Some(attributes) = attributes {
             self.solve_with(topology, attributes, v, neighbours);

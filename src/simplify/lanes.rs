@@ -102,11 +102,34 @@ mod register {
     /// Bit `k` says whether slot `k` is `value`.
     #[inline(always)]
     pub(in crate::simplify) fn equal_bits(slots: &[u32; 2 * WIDTH], value: u32) -> u32 {
-        let [a, b, c, d, e, f, g, h] = *slots;
+        let [low, high] = in_registers(slots);
         let value = simd::u32x4_splat(value);
-        let low = simd::i32x4_bitmask(simd::i32x4_eq(simd::u32x4(a, b, c, d), value));
-        let high = simd::i32x4_bitmask(simd::i32x4_eq(simd::u32x4(e, f, g, h), value));
+        let low = simd::i32x4_bitmask(simd::i32x4_eq(low, value));
+        let high = simd::i32x4_bitmask(simd::i32x4_eq(high, value));
         u32::from(low) | (u32::from(high) << WIDTH)
+    }
+
+    /// Every `old` is `new` from now on.
+    #[inline(always)]
+    pub(in crate::simplify) fn replace(slots: &mut [u32; 2 * WIDTH], old: u32, new: u32) {
+        let (old, new) = (simd::u32x4_splat(old), simd::u32x4_splat(new));
+        let [low, high] = in_registers(slots).map(|four| simd::v128_bitselect(new, four, simd::i32x4_eq(four, old)));
+        let pairs = [
+            simd::u64x2_extract_lane::<0>(low),
+            simd::u64x2_extract_lane::<1>(low),
+            simd::u64x2_extract_lane::<0>(high),
+            simd::u64x2_extract_lane::<1>(high),
+        ];
+        for (slots, pair) in slots.as_chunks_mut::<2>().0.iter_mut().zip(pairs) {
+            *slots = [pair as u32, (pair >> 32) as u32];
+        }
+    }
+
+    /// In pairs, because the compiler loads these at once, and four single slots one by one.
+    #[inline(always)]
+    fn in_registers([a, b, c, d, e, f, g, h]: &[u32; 2 * WIDTH]) -> [simd::v128; 2] {
+        let pair = |a: &u32, b: &u32| u64::from(*a) | (u64::from(*b) << 32);
+        [simd::u64x2(pair(a, b), pair(c, d)), simd::u64x2(pair(e, f), pair(g, h))]
     }
 
     impl Mask {
@@ -230,6 +253,14 @@ mod register {
         bits
     }
 
+    /// Every `old` is `new` from now on.
+    #[inline(always)]
+    pub(in crate::simplify) fn replace(slots: &mut [u32; 2 * WIDTH], old: u32, new: u32) {
+        for slot in slots {
+            *slot = if *slot == old { new } else { *slot };
+        }
+    }
+
     impl Mask {
         #[inline(always)]
         pub(in crate::simplify) fn all(self) -> bool {
@@ -255,7 +286,7 @@ mod register {
     }
 }
 
-pub(super) use register::{Lanes, Mask, equal_bits};
+pub(super) use register::{Lanes, Mask, equal_bits, replace};
 
 impl Lanes {
     pub(super) const INDEX: [f32; WIDTH] = [0.0, 1.0, 2.0, 3.0];

@@ -10,7 +10,7 @@
 //! large blocks are left as they are when a neighbour vanishes, and brought up to date when they are
 //! next read ([`Topology::refresh`]).
 
-use super::lanes::{Lanes, equal_bits};
+use super::lanes::{Lanes, equal_bits, replace};
 use super::quadric::{Packed, Quadric, Vec3};
 use super::vertex_kind::VertexKind;
 
@@ -291,9 +291,7 @@ impl Topology {
         // The whole block, eight slots at once: where a search would end cannot be predicted, and
         // what is behind the ring's end does not matter.
         for slots in self.slots[start..start + (1 << vertex.block)].as_chunks_mut::<8>().0 {
-            for slot in slots {
-                *slot = if *slot == old { new } else { *slot };
-            }
+            replace(slots, old, new);
         }
     }
 
