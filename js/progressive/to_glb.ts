@@ -1,6 +1,7 @@
 // A progressive mesh at full detail as a GLB, for everything that reads documents.
 
-import { buildGlb, type Json } from '../glb.js';
+import { buildGlb, encodeTree } from '../codecs/container.js';
+import type { Tree } from '../codecs/tree.js';
 import type { LevelGeometry } from '../types.js';
 import type { Description } from './description.js';
 
@@ -15,10 +16,10 @@ const NAMES: Readonly<Record<string, string>> = { normal: 'NORMAL', tangent: 'TA
 /** The file; positions and attributes are the same to the bit, joints are whole numbers. */
 export function progressiveToGlb({ groups, wedgeSets }: Description, geometry: LevelGeometry): Uint8Array<ArrayBuffer> {
   const parts: Uint8Array[] = [];
-  const accessors: Json[] = [];
-  const bufferViews: Json[] = [];
+  const accessors: Tree[] = [];
+  const bufferViews: Tree[] = [];
   let size = 0;
-  const add = (array: Float32Array | Uint16Array | Uint32Array, components: number, componentType: number, more: Json = {}): number => {
+  const add = (array: Float32Array | Uint16Array | Uint32Array, components: number, componentType: number, more: Tree = {}): number => {
     bufferViews.push({ buffer: 0, byteOffset: size, byteLength: array.byteLength });
     accessors.push({ bufferView: bufferViews.length - 1, componentType, count: array.length / components, type: TYPES[components] ?? 'SCALAR', ...more });
     parts.push(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
@@ -45,7 +46,7 @@ export function progressiveToGlb({ groups, wedgeSets }: Description, geometry: L
     return { attributes, targets: targets.filter((target) => target !== undefined) };
   });
   const materials = [...new Set(groups.flatMap(({ material }) => (material === null ? [] : [material])))];
-  const meshes: Array<{ name?: string; primitives: Json[] }> = [];
+  const meshes: Array<{ name?: string; primitives: Tree[] }> = [];
   const owners: number[] = [];
   for (const [index, { mesh, object, material, wedgeSet }] of groups.entries()) {
     const indices = geometry.groups[index]?.indices ?? new Uint32Array();
@@ -63,7 +64,7 @@ export function progressiveToGlb({ groups, wedgeSets }: Description, geometry: L
     });
   }
   return buildGlb(
-    {
+    encodeTree({
       asset: { version: '2.0', generator: 'decimesh' },
       scene: 0,
       scenes: [{ nodes: meshes.map((_, node) => node) }],
@@ -73,7 +74,7 @@ export function progressiveToGlb({ groups, wedgeSets }: Description, geometry: L
       accessors,
       bufferViews,
       buffers: [{ byteLength: size }],
-    },
+    }),
     parts,
   );
 }
@@ -85,7 +86,7 @@ function semanticOf(name: string): string {
   return /^(_|NORMAL$|TANGENT$|(TEXCOORD|COLOR|JOINTS|WEIGHTS)_\d)/.test(name) ? name : `_${name.toUpperCase()}`;
 }
 
-function extent(positions: Float32Array): Json {
+function extent(positions: Float32Array): Tree {
   const [min, max] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
   for (let at = 0; at < positions.length; at += 1) {
     min[at % 3] = Math.min(min[at % 3] as number, positions[at] as number);
