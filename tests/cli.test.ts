@@ -93,6 +93,8 @@ describe('one file', () => {
       relativeTo: expect.closeTo(Math.sqrt(2), 1),
       originalToSimplified: expect.objectContaining({ samples: expect.any(Number) }),
       simplifiedToOriginal: expect.objectContaining({ samples: expect.any(Number) }),
+      // Of what the tube has besides positions.
+      attributes: { normal: expect.objectContaining({ max: expect.any(Number) }), uv: expect.objectContaining({ max: expect.any(Number) }) },
     });
     const { max, mean, rms } = deviation!;
     expect(mean).toBeGreaterThan(0);

@@ -1,6 +1,6 @@
 // How the page gathers a model's files from drops, without a browser: entries are made up, files are Node's.
 import { describe, expect, it } from 'vitest';
-import { baseName, fileNameOf, filesOfDrop, modelFile } from '../www/files.ts';
+import { baseName, fileNameOf, filesOfDrop, modelFile, relativeToModel } from '../www/files.ts';
 
 interface Tree {
   readonly [name: string]: string | Tree;
@@ -33,7 +33,7 @@ describe('a drop', () => {
   });
 
   it('of a folder has every file under its path from the model', async () => {
-    const files = await filesOfDrop(dropOf({ shoe: { source: { 'shoe.gltf': '{}', 'shoe.bin': '1', textures: { 'a.png': '2', 'b.png': '3', 'c.png': '4' } }, 'readme.txt': '' } }));
+    const files = relativeToModel(await filesOfDrop(dropOf({ shoe: { source: { 'shoe.gltf': '{}', 'shoe.bin': '1', textures: { 'a.png': '2', 'b.png': '3', 'c.png': '4' } }, 'readme.txt': '' } })));
     expect(names(files)).toEqual(['shoe.bin', 'shoe.gltf', 'shoe/readme.txt', 'textures/a.png', 'textures/b.png', 'textures/c.png']);
     expect(await files.find(({ name }) => name === 'textures/c.png')?.text()).toBe('4');
     expect(modelFile(files)?.name).toBe('shoe.gltf');
