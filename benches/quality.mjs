@@ -8,7 +8,7 @@ import { lindstromTurkMeans, lowestMaxima } from './support/records.mjs';
 import { atMost, none, printGoals, printTable, shown } from './support/report.mjs';
 import { geometricMean, ratio } from './support/statistics.mjs';
 
-/** Shares of the triangles that the geometric means are over. */
+/** Shares of the triangles that the geometric means are over. */
 const RATIOS = [0.1, 0.02, 0.005];
 /** Where CGAL's records are. */
 const RECORD_RATIOS = [0.1, 0.01];
