@@ -695,7 +695,8 @@ impl Simplifier {
             return self.visit_last_of_part(mesh, v);
         }
         if self.near && self.edges.approach(&self.topology, v) {
-            if self.contracting && self.visit_triangles(mesh, v) {
+            // Where the edges are hardly below the threshold, few triangles are, and those make the maximum worse.
+            if self.contracting && self.keys[v as usize] * 2.0 <= self.threshold && self.visit_triangles(mesh, v) {
                 return 4;
             }
             self.edges.solve_near(self.topology.ring(v).len());
