@@ -378,7 +378,7 @@ impl Simplifier {
                 let range = part(first, count);
                 self.stage = if range.end == count { Stage::Sweep } else { Stage::Attributes(range.end) };
                 if let Some(attributes) = &mut self.attributes {
-                    range.for_each(|v| attributes.refresh(&self.topology, v as u32));
+                    range.for_each(|v| attributes.take_up(&self.topology, v as u32));
                 }
             }
             Stage::Sweep => self.sweep(mesh, work),

@@ -1,13 +1,14 @@
 //! The attributes while the mesh shrinks: values of merged wedges, gradients of the triangles that
 //! a collapse changes.
 //!
-//! Where each vertex around a collapse has one wedge, which is the usual case, the triangles before
-//! and after are looked at once and their differences added to the vertices around. Other vertices
-//! are taken up afresh from all their triangles.
+//! The gradient over a triangle is the same seen from each of its corners, so that a triangle is looked at once and what
+//! it gives is added to all three. Where both ends of a collapsed edge have one wedge, which is the usual case, the
+//! triangles before and after are looked at four at a time and their differences added to the vertices around. Other
+//! vertices are taken up afresh from all their triangles.
 
-use super::attributes::{AttributeField, value_at};
-use super::lanes::Lanes;
-use super::quadric::{Vec3, larger, smaller};
+use super::attributes::{AttributeField, HEAD, along};
+use super::lanes::{Lanes, Lanes3, Mask, WIDTH};
+use super::quadric::{QuadricLanes, Vec3, larger, smaller};
 use super::topology::{NONE, Topology};
 
 /// A triangle thinner than this share of its length has the gradient of one that is as thick.
@@ -23,57 +24,126 @@ pub(super) struct Spliced<'a> {
     /// The merged ring: triangles of `from` up to slot `split`, then those of `into`.
     pub(super) ring: &'a [u32],
     pub(super) split: usize,
+    /// Positions of the ring, which is followed by its beginning.
+    pub(super) around: &'a [Lanes3],
 }
 
 /// An end of a collapsed edge, and where it was.
 pub(super) type End = (u32, Vec3);
 
-/// Rows before those of the components in what a triangle adds: area and Σ area · g gᵀ.
-const HEAD: usize = 2;
-
 impl AttributeField {
-    /// Gradients and matrix of `v` from its triangles as they are.
-    pub(super) fn refresh(&mut self, topology: &Topology, v: u32) {
-        let mut scratch = std::mem::take(&mut self.scratch);
-        scratch.corners.clear();
-        scratch.gradients.clear();
-        scratch.triangles.clear();
-        topology.corners(v, &mut scratch.corners);
-        let at = |w: u32| topology.vertices[w as usize].position();
-        let only = self.only_record[v as usize];
-        for c in &scratch.corners {
-            let record = if only == NONE { self.record(v, c.wedge) } else { only };
-            let next = self.record_at(topology, c.next, c.previous, v);
-            let previous = self.record_at(topology, c.previous, v, c.next);
-            let (area, l1, l2) = hat_gradients(at(c.next) - at(v), at(c.previous) - at(v));
-            scratch.triangles.push((record, area, scratch.gradients.len()));
-            let [own, next, previous] = [record, next, previous].map(|r| self.rows_of(r));
-            for ((own, next), previous) in own.iter().zip(next).zip(previous) {
-                let s = own.lane::<0>();
-                scratch.gradients.push(l1 * (next.lane::<0>() - s) + l2 * (previous.lane::<0>() - s));
-            }
+    /// Takes up the triangles of which `v` is the first vertex, so that each is taken up once for all vertices.
+    pub(super) fn take_up(&mut self, topology: &Topology, v: u32) {
+        if self.only_record[v as usize] == NONE {
+            self.refresh(topology, v);
         }
-        scratch.triangles.sort_unstable_by_key(|t| t.0);
-        let mut matrix = [0.0_f32; 6];
-        for wedge in scratch.triangles.chunk_by(|a, b| a.0 == b.0) {
-            let record = wedge[0].0 as usize;
-            let area: f32 = wedge.iter().map(|t| t.1).sum();
-            self.areas[record] = area;
-            let inverse = if area > 0.0 { 1.0 / area } else { 0.0 };
-            for k in 0..self.layout.components {
-                let mean = wedge.iter().fold(Vec3::ZERO, |sum, t| sum + scratch.gradients[t.2 + k] * (t.1 * inverse));
-                set_gradient(&mut self.rows[record * self.layout.components + k], mean);
-                for t in wedge {
-                    let g = scratch.gradients[t.2 + k] - mean;
-                    let h = g * t.1;
-                    let outer = [g.x * h.x, g.x * h.y, g.x * h.z, g.y * h.y, g.y * h.z, g.z * h.z];
-                    matrix.iter_mut().zip(outer).for_each(|(sum, term)| *sum += term);
+        let mut corners = std::mem::take(&mut self.scratch.corners);
+        let mut sum = std::mem::take(&mut self.scratch.sums);
+        corners.clear();
+        topology.corners(v, &mut corners);
+        for c in corners.iter().filter(|c| v < c.next && v < c.previous) {
+            let records = self.records_of(topology, [v, c.next, c.previous], c.wedge);
+            sum.clear();
+            sum.resize(self.stride(), Lanes::splat(0.0));
+            self.triangle(topology, [v, c.next, c.previous], records, &mut sum);
+            for (w, record) in [v, c.next, c.previous].into_iter().zip(records) {
+                // Vertices of several wedges take up their own.
+                if self.only_record[w as usize] != NONE {
+                    self.add(record, &sum);
                 }
             }
         }
-        let [xx, xy, xz, yy, yz, zz] = matrix;
-        self.stiffness[v as usize] = [Lanes::new([xx, xy, xz, yy]), Lanes::new([yz, zz, 0.0, 0.0])];
-        self.scratch = scratch;
+        self.scratch.corners = corners;
+        self.scratch.sums = sum;
+    }
+
+    /// Sums of `v` from its triangles as they are.
+    pub(super) fn refresh(&mut self, topology: &Topology, v: u32) {
+        let mut corners = std::mem::take(&mut self.scratch.corners);
+        let mut sum = std::mem::take(&mut self.scratch.sums);
+        let mut records = std::mem::take(&mut self.scratch.records);
+        corners.clear();
+        records.clear();
+        topology.corners(v, &mut corners);
+        let only = self.only_record[v as usize];
+        let main = if only == NONE { v } else { only };
+        records.extend(corners.iter().map(|c| if only == NONE { self.record(v, c.wedge) } else { only }));
+        for &record in records.iter().chain([&main]) {
+            self.clear(record);
+        }
+        let mut matrix = [Lanes::splat(0.0); HEAD];
+        for (c, &record) in corners.iter().zip(&records) {
+            let [_, next, previous] = self.records_of(topology, [v, c.next, c.previous], c.wedge);
+            sum.clear();
+            sum.resize(self.stride(), Lanes::splat(0.0));
+            self.triangle(topology, [v, c.next, c.previous], [record, next, previous], &mut sum);
+            self.add(record, &sum);
+            matrix = [matrix[0] + sum[0], matrix[1] + sum[1]];
+        }
+        if only == NONE {
+            records.sort_unstable();
+            records.dedup();
+            for &record in &records {
+                let followed = self.followed(record);
+                matrix[0] = matrix[0] - Lanes::new([followed.xx, followed.xy, followed.xz, followed.yy]);
+                matrix[1] = matrix[1] - Lanes::new([followed.yz, followed.zz, 0.0, 0.0]);
+            }
+            let area = self.area(v);
+            let [yz, zz, ..] = matrix[1].to_array();
+            let first = v as usize * self.stride();
+            self.blocks[first] = matrix[0];
+            self.blocks[first + 1] = Lanes::new([yz, zz, area, 0.0]);
+        }
+        self.scratch.corners = corners;
+        self.scratch.sums = sum;
+        self.scratch.records = records;
+    }
+
+    /// The records of a triangle's corners, the first of which has the wedge `wedge`.
+    #[inline(always)]
+    fn records_of(&self, topology: &Topology, [v, next, previous]: [u32; 3], wedge: u32) -> [u32; 3] {
+        let only = self.only_record[v as usize];
+        let own = if only == NONE { self.record(v, wedge) } else { only };
+        [own, self.record_at(topology, next, previous, v), self.record_at(topology, previous, v, next)]
+    }
+
+    /// Sums of nothing; the values stay.
+    fn clear(&mut self, record: u32) {
+        let stride = self.stride();
+        for (k, row) in self.blocks[record as usize * stride..][..stride].iter_mut().enumerate() {
+            *row = Lanes::new([if k < HEAD { 0.0 } else { row.lane::<0>() }, 0.0, 0.0, 0.0]);
+        }
+    }
+
+    /// Adds sums to a block.
+    #[inline(always)]
+    fn add(&mut self, record: u32, sums: &[Lanes]) {
+        let first = record as usize * self.stride();
+        for (row, &sum) in self.blocks[first..].iter_mut().zip(sums) {
+            *row = *row + sum;
+        }
+    }
+
+    /// What a triangle gives to the block of each of its corners.
+    fn triangle(&self, topology: &Topology, corners: [u32; 3], records: [u32; 3], sums: &mut [Lanes]) {
+        let [own, next, previous] = corners.map(|v| topology.vertices[v as usize].position());
+        let hat = Hats::of(
+            Lanes3::splat(next - own),
+            Lanes3::splat(previous - own),
+            Lanes::splat(1.0).at_most(Lanes::splat(1.0)),
+        );
+        let [l1, l2] = [hat.weighted_next, hat.weighted_previous];
+        let [row1, row2] = [l1, l2].map(|l| Lanes::new([0.0, l.x.lane::<0>(), l.y.lane::<0>(), l.z.lane::<0>()]));
+        let mut products = Products::default();
+        let [own, next, previous] = records.map(|r| &self.block(r)[HEAD..]);
+        for (((own, next), previous), sum) in own.iter().zip(next).zip(previous).zip(&mut sums[HEAD..]) {
+            let s = own.lane::<0>();
+            let (a, b) = (Lanes::splat(next.lane::<0>() - s), Lanes::splat(previous.lane::<0>() - s));
+            products.add(a, b);
+            *sum = row1 * a + row2 * b;
+        }
+        let [first, second] = head_of(&hat.outer(&products), hat.area);
+        (sums[0], sums[1]) = (first[0], second[0]);
     }
 
     /// Follows a collapse that the topology has done: `from` is gone, `into` is where it is now.
@@ -107,133 +177,137 @@ impl AttributeField {
     fn follow_spliced(
         &mut self,
         topology: &Topology,
-        Spliced { ring, split }: Spliced<'_>,
+        Spliced { ring, split, around }: Spliced<'_>,
         merges: &[(u32, u32)],
         (from, into): (End, End),
         solve: bool,
     ) {
-        let (stride, length) = (HEAD + self.layout.components, ring.len());
-        let mut differences = std::mem::take(&mut self.scratch.differences);
-        differences.clear();
-        // One for each triangle around, two for those that are gone, one for the sum.
-        differences.resize((length + 3) * stride, Lanes::splat(0.0));
+        let (stride, components, length) = (self.stride(), self.layout.components, ring.len());
+        let batches = length.div_ceil(WIDTH);
+        let mut values = std::mem::take(&mut self.scratch.values);
+        values.clear();
         let [of_from, of_into] = [from.0, into.0].map(|v| self.only_record[v as usize]);
-        let at = |v: u32| topology.vertices[v as usize].position();
-        let after = |i: usize| ring[if i + 1 == length { 0 } else { i + 1 }];
-        let records = |field: &Self, i: usize| {
-            let (a, b) = (ring[i], after(i));
-            (field.record_at(topology, a, b, into.0), field.record_at(topology, b, into.0, a))
-        };
-        for (i, difference) in differences.chunks_exact_mut(stride).take(length).enumerate() {
-            let (a, b) = records(self, i);
-            let (origin, record) = if i < split { (from.1, of_from) } else { (into.1, of_into) };
-            self.add_triangle(difference, -1.0, (at(ring[i]) - origin, at(after(i)) - origin), [record, a, b]);
-        }
-        for (k, &third) in [ring[0], ring[split]].iter().enumerate() {
-            let third_record = self.only_record[third as usize];
-            if third_record != NONE {
-                let difference = &mut differences[(length + k) * stride..][..stride];
-                let edges = (from.1 - into.1, at(third) - into.1);
-                self.add_triangle(difference, -1.0, edges, [of_into, of_from, third_record]);
-            }
+        for record in [of_from, of_into] {
+            values.extend(self.block(record)[HEAD..].iter().map(|row| row.lane::<0>()));
         }
         if solve {
             self.merge(topology, merges, (from, into));
         }
-        let now = at(into.0);
-        let (around, rest) = differences.split_at_mut(length * stride);
-        let (gone, sum) = rest.split_at_mut(2 * stride);
-        for (i, difference) in around.chunks_exact_mut(stride).enumerate() {
-            let (a, b) = records(self, i);
-            let edges = (at(ring[i]) - now, at(after(i)) - now);
-            self.add_triangle(difference, 1.0, edges, [of_into, a, b]);
-            self.add_triangle(sum, 1.0, edges, [of_into, a, b]);
+        let now = topology.vertices[into.0 as usize].position();
+        let mut sums = std::mem::take(&mut self.scratch.sums);
+        sums.clear();
+        // One for each triangle around, two for those that are gone, one for all that are new.
+        sums.resize((batches * WIDTH + 3) * stride, Lanes::splat(0.0));
+        let (differences, rest) = sums.split_at_mut(batches * WIDTH * stride);
+        let (gone, whole) = rest.split_at_mut(2 * stride);
+        let (last, until_split) = (Lanes::splat(length as f32 - 0.5), Lanes::splat(split as f32 - 0.5));
+        let mut index = Lanes::new(Lanes::INDEX);
+        for (batch, out) in differences.chunks_exact_mut(WIDTH * stride).enumerate() {
+            let (a, b) = (around[batch], around[batch].followed_by(around[batch + 1]));
+            let (counts, of_first) = (index.at_most(last), index.at_most(until_split));
+            index = index + Lanes::splat(WIDTH as f32);
+            let records: [[u32; 2]; WIDTH] = std::array::from_fn(|k| {
+                let at = batch * WIDTH + k;
+                let slot = |k: usize| ring[if k < length { k } else { k - length }];
+                let (next, previous) =
+                    (slot(if at < length { at } else { 0 }), slot(if at < length { at + 1 } else { 0 }));
+                [self.record_at(topology, next, previous, into.0), self.record_at(topology, previous, into.0, next)]
+            });
+            let blocks = records.map(|pair| pair.map(|record| self.block(record)));
+            let origin = Lanes3::select(of_first, Lanes3::splat(from.1), Lanes3::splat(into.1));
+            let merged = Lanes3::splat(now);
+            let (old, new) = (Hats::of(a - origin, b - origin, counts), Hats::of(a - merged, b - merged, counts));
+            let (mut old_products, mut new_products) = (Products::default(), Products::default());
+            let own = self.block(of_into);
+            for k in 0..components {
+                let value = |end: usize| Lanes::new(blocks.map(|pair| pair[end][HEAD + k].lane::<0>()));
+                let (next, previous) = (value(0), value(1));
+                let before = Lanes::select(of_first, Lanes::splat(values[k]), Lanes::splat(values[components + k]));
+                let after = Lanes::splat(own[HEAD + k].lane::<0>());
+                let was = old.gradient(&mut old_products, next - before, previous - before);
+                let is = new.gradient(&mut new_products, next - after, previous - after);
+                let change = is - was;
+                let zero = Lanes::splat(0.0);
+                for (lane, row) in Lanes::transpose([zero, change.x, change.y, change.z]).into_iter().enumerate() {
+                    out[lane * stride + HEAD + k] = row;
+                }
+                let [a, b, c, d] = Lanes::transpose([zero, is.x, is.y, is.z]);
+                whole[HEAD + k] = whole[HEAD + k] + ((a + b) + (c + d));
+            }
+            let (was, is) = (old.outer(&old_products), new.outer(&new_products));
+            let [first, second] = head_of(&is.minus(&was), new.area - old.area);
+            for lane in 0..WIDTH {
+                (out[lane * stride], out[lane * stride + 1]) = (first[lane], second[lane]);
+            }
+            let [first, second] = head_of(&is, new.area);
+            for lane in 0..WIDTH {
+                (whole[0], whole[1]) = (whole[0] + first[lane], whole[1] + second[lane]);
+            }
         }
-        self.areas[of_into as usize] = 0.0;
-        self.stiffness[into.0 as usize] = [Lanes::splat(0.0); 2];
-        self.add(into.0, of_into, sum);
+        self.take_off_gone(topology, [ring[0], ring[split]], (from, into), &values, gone);
+        self.scratch.values = values;
+
+        self.clear(of_into);
+        self.add(of_into, whole);
         for (i, &v) in ring.iter().enumerate() {
             let record = self.only_record[v as usize];
             if record == NONE {
-                if topology.vertices[v as usize].ring_length() <= LONGEST_RING {
-                    self.count_wedges(topology, v);
-                    self.refresh(topology, v);
-                }
                 continue;
             }
             let before = if i == 0 { length - 1 } else { i - 1 };
-            sum.copy_from_slice(&around[i * stride..][..stride]);
-            let removed = if i == 0 {
-                &gone[..stride]
-            } else if i == split {
-                &gone[stride..]
-            } else {
-                &[]
-            };
-            for part in [&around[before * stride..][..stride], removed] {
-                sum.iter_mut().zip(part).for_each(|(sum, &row)| *sum = *sum + row);
+            let first = record as usize * stride;
+            let (previous, next) = (&differences[before * stride..][..stride], &differences[i * stride..][..stride]);
+            for ((row, &previous), &next) in self.blocks[first..].iter_mut().zip(previous).zip(next) {
+                *row = *row + (previous + next);
             }
-            self.add(v, record, sum);
+            if i == 0 {
+                self.add(record, &gone[..stride]);
+            } else if i == split {
+                self.add(record, &gone[stride..]);
+            }
         }
-        self.scratch.differences = differences;
+        self.scratch.sums = sums;
+        for &v in ring {
+            if self.only_record[v as usize] == NONE && topology.vertices[v as usize].ring_length() <= LONGEST_RING {
+                self.count_wedges(topology, v);
+                self.refresh(topology, v);
+            }
+        }
     }
 
-    /// Adds what a triangle gives to each of its corners' sums, `sign` times.
+    /// Minus what the two triangles at the collapsed edge gave to their third vertices. `values` are those that the
+    /// wedges of `from` and of `into` had.
     #[inline(always)]
-    fn add_triangle(&self, sum: &mut [Lanes], sign: f32, (e1, e2): (Vec3, Vec3), records: [u32; 3]) {
-        let (area, l1, l2) = hat_gradients(e1, e2);
-        let area = sign * area;
-        let [own, next, previous] = records.map(|r| self.rows_of(r));
-        let row = |l: Vec3| Lanes::new([0.0, l.x, l.y, l.z]) * Lanes::splat(area);
-        let (row1, row2) = (row(l1), row(l2));
-        let (mut aa, mut ab, mut bb) = (0.0, 0.0, 0.0);
-        let (head, rows) = sum.split_at_mut(HEAD);
-        for (((own, next), previous), sum) in own.iter().zip(next).zip(previous).zip(rows) {
-            let s = own.lane::<0>();
-            let (a, b) = (next.lane::<0>() - s, previous.lane::<0>() - s);
-            (aa, ab, bb) = (aa + a * a, ab + a * b, bb + b * b);
-            *sum = *sum + row1 * Lanes::splat(a) + row2 * Lanes::splat(b);
+    fn take_off_gone(
+        &self,
+        topology: &Topology,
+        thirds: [u32; 2],
+        (from, into): (End, End),
+        values: &[f32],
+        gone: &mut [Lanes],
+    ) {
+        let (stride, components) = (self.stride(), self.layout.components);
+        let [a, b] = thirds.map(|v| topology.vertices[v as usize].position() - into.1);
+        let everywhere = Lanes::splat(0.0).at_most(Lanes::splat(0.0));
+        let hats = Hats::of(Lanes3::splat(from.1 - into.1), Lanes3::gather([a, b, a, b]), everywhere);
+        let mut products = Products::default();
+        // The values of a vertex of several wedges do not matter: it is taken up afresh.
+        let [a, b] = thirds.map(|v| {
+            let record = self.only_record[v as usize];
+            self.block(if record == NONE { v } else { record })
+        });
+        for k in 0..components {
+            let own = Lanes::splat(values[components + k]);
+            let [a, b] = [a, b].map(|block| block[HEAD + k].lane::<0>());
+            let g = hats.gradient(&mut products, Lanes::splat(values[k]) - own, Lanes::new([a, b, a, b]) - own);
+            let zero = Lanes::splat(0.0);
+            let rows = Lanes::transpose([zero, zero - g.x, zero - g.y, zero - g.z]);
+            (gone[HEAD + k], gone[stride + HEAD + k]) = (rows[0], rows[1]);
         }
-        // Σ g gᵀ with g = a l₁ + b l₂.
-        let (p, q) = ((l1 * aa + l2 * ab) * area, (l1 * ab + l2 * bb) * area);
-        head[0] = head[0]
-            + Lanes::new([
-                p.x * l1.x + q.x * l2.x,
-                p.x * l1.y + q.x * l2.y,
-                p.x * l1.z + q.x * l2.z,
-                p.y * l1.y + q.y * l2.y,
-            ]);
-        head[1] = head[1] + Lanes::new([p.y * l1.z + q.y * l2.z, p.z * l1.z + q.z * l2.z, area, 0.0]);
-    }
-
-    /// Adds such sums to a vertex of one wedge.
-    #[inline(always)]
-    fn add(&mut self, v: u32, record: u32, sum: &[Lanes]) {
-        let before = self.areas[record as usize];
-        let area = larger(before + sum[1].lane::<2>(), 0.0);
-        let inverse = if area > 0.0 { 1.0 / area } else { 0.0 };
-        let first = record as usize * self.layout.components;
-        let zero = Lanes::splat(0.0);
-        let (mut by_x, mut by_y, mut by_z) = (zero, zero, zero);
-        let (old_weight, new_weight, inverse) = (Lanes::splat(before), Lanes::splat(area), Lanes::splat(inverse));
-        for (row, &added) in self.rows[first..].iter_mut().zip(&sum[HEAD..]) {
-            let old = *row;
-            let new = (old * old_weight + added) * inverse;
-            let (old_weighted, new_weighted) = (old * old_weight, new * new_weight);
-            let outer =
-                |of: fn(&Lanes) -> f32| old_weighted * Lanes::splat(of(&old)) - new_weighted * Lanes::splat(of(&new));
-            by_x = by_x + outer(|l| l.lane::<1>());
-            by_y = by_y + outer(|l| l.lane::<2>());
-            by_z = by_z + outer(|l| l.lane::<3>());
-            let [_, x, y, z] = new.to_array();
-            *row = Lanes::new([old.lane::<0>(), x, y, z]);
-        }
-        self.areas[record as usize] = area;
-        let ([_, xx, xy, xz], [_, _, yy, yz], zz) = (by_x.to_array(), by_y.to_array(), by_z.lane::<3>());
-        let matrix = &mut self.stiffness[v as usize];
-        matrix[0] = matrix[0] + sum[0] + Lanes::new([xx, xy, xz, yy]);
-        let [syz, szz, ..] = sum[1].to_array();
-        matrix[1] = matrix[1] + Lanes::new([syz + yz, szz + zz, 0.0, 0.0]);
+        let minus = QuadricLanes::zero().minus(&hats.outer(&products));
+        let [first, second] = head_of(&minus, Lanes::splat(0.0) - hats.area);
+        (gone[0], gone[1]) = (first[0], second[0]);
+        (gone[stride], gone[stride + 1]) = (first[1], second[1]);
     }
 
     /// The values of the wedges that merge, at the merged position.
@@ -245,10 +319,14 @@ impl AttributeField {
         merged.clear();
         for &(a, b) in merges {
             let (a, b) = (self.record(from.0, a), self.record(into.0, b));
-            let (wa, wb) = (self.areas[a as usize], self.areas[b as usize]);
-            let share = if wa + wb > 0.0 { wa / (wa + wb) } else { 0.5 };
-            let rows = self.rows_of(a).iter().zip(self.rows_of(b));
-            merged.extend(rows.map(|(&a, &b)| value_at(a, du) * share + value_at(b, dv) * (1.0 - share)));
+            let (wa, wb) = (self.area(a), self.area(b));
+            let inverse = if wa + wb > 0.0 { 1.0 / (wa + wb) } else { 0.0 };
+            let shares = if wa + wb > 0.0 { [wa * inverse, wb * inverse] } else { [0.5; 2] };
+            let rows = self.block(a)[HEAD..].iter().zip(&self.block(b)[HEAD..]);
+            merged.extend(rows.map(|(&a, &b)| {
+                let ([sa, ga], [sb, gb]) = (along(a, du), along(b, dv));
+                sa * shares[0] + sb * shares[1] + (ga + gb) * inverse
+            }));
         }
         for (&(_, wedge), values) in merges.iter().zip(merged.chunks_exact_mut(components)) {
             if let Some((start, unit)) = self.layout.normal {
@@ -261,8 +339,8 @@ impl AttributeField {
             if let Some((start, length, one)) = self.layout.color {
                 values[start..start + length].iter_mut().for_each(|c| *c = smaller(larger(*c, 0.0), one));
             }
-            let first = self.record(into.0, wedge) as usize * components;
-            for (row, &value) in self.rows[first..].iter_mut().zip(&*values) {
+            let first = self.record(into.0, wedge) as usize * self.stride() + HEAD;
+            for (row, &value) in self.blocks[first..].iter_mut().zip(&*values) {
                 let [_, x, y, z] = row.to_array();
                 *row = Lanes::new([value, x, y, z]);
             }
@@ -272,7 +350,7 @@ impl AttributeField {
 
     /// Appends the values of a wedge of `v`, which is of set `set`, in the units of the file.
     pub(super) fn push_values(&self, (v, wedge, set): (u32, u32, usize), out: &mut Vec<f32>) {
-        let rows = self.rows_of(self.record(v, wedge));
+        let rows = &self.block(self.record(v, wedge))[HEAD..];
         let first = out.len();
         out.resize(first + rows.len(), 0.0);
         for p in &self.layout.sets[set] {
@@ -283,18 +361,85 @@ impl AttributeField {
     }
 }
 
-/// Of the triangle (0, e1, e2): twice the area, and the gradients of the functions that are 1 at one
-/// of the two and 0 at the other corners.
-#[inline(always)]
-fn hat_gradients(e1: Vec3, e2: Vec3) -> (f32, Vec3, Vec3) {
-    let n = e1.cross(e2);
-    let squared = n.length_squared();
-    let floor = (e1.length_squared() + e2.length_squared()) * THINNEST;
-    let divisor = squared + floor * floor;
-    let inverse = if divisor > 0.0 { 1.0 / divisor } else { 0.0 };
-    (squared.sqrt(), e2.cross(n) * inverse, n.cross(e1) * inverse)
+/// Of four triangles (0, next, previous): twice the areas, and the gradients of the functions that are 1 at one of the two
+/// and 0 at the other corners, plain and weighted by area.
+struct Hats {
+    area: Lanes,
+    next: Lanes3,
+    previous: Lanes3,
+    weighted_next: Lanes3,
+    weighted_previous: Lanes3,
 }
 
-fn set_gradient(row: &mut Lanes, g: Vec3) {
-    *row = Lanes::new([row.lane::<0>(), g.x, g.y, g.z]);
+/// For four triangles the sums over all components of a², a b and b², where a and b are what the two corners' values are
+/// above the first's.
+struct Products {
+    aa: Lanes,
+    ab: Lanes,
+    bb: Lanes,
+}
+
+impl Default for Products {
+    #[inline(always)]
+    fn default() -> Self {
+        let zero = Lanes::splat(0.0);
+        Self { aa: zero, ab: zero, bb: zero }
+    }
+}
+
+impl Products {
+    #[inline(always)]
+    fn add(&mut self, a: Lanes, b: Lanes) {
+        (self.aa, self.ab, self.bb) = (self.aa + a * a, self.ab + a * b, self.bb + b * b);
+    }
+}
+
+impl Hats {
+    /// Those outside the mask have no area.
+    #[inline(always)]
+    fn of(next: Lanes3, previous: Lanes3, counts: Mask) -> Self {
+        let n = next.cross(previous);
+        let squared = n.dot(n);
+        let floor = (next.dot(next) + previous.dot(previous)) * Lanes::splat(THINNEST);
+        let inverse = Lanes::splat(1.0) / (squared + floor * floor).max(Lanes::splat(f32::MIN_POSITIVE));
+        let area = squared.sqrt().masked(counts);
+        let (of_next, of_previous) = (previous.cross(n).scale(inverse), n.cross(next).scale(inverse));
+        Self {
+            area,
+            next: of_next,
+            previous: of_previous,
+            weighted_next: of_next.scale(area),
+            weighted_previous: of_previous.scale(area),
+        }
+    }
+
+    /// Area · g of a component.
+    #[inline(always)]
+    fn gradient(&self, products: &mut Products, a: Lanes, b: Lanes) -> Lanes3 {
+        products.add(a, b);
+        self.weighted_next.scale(a) + self.weighted_previous.scale(b)
+    }
+
+    /// Σ area · g gᵀ over all components: g is a times the one plus b times the other.
+    #[inline(always)]
+    fn outer(&self, &Products { aa, ab, bb }: &Products) -> QuadricLanes {
+        let p = self.weighted_next.scale(aa) + self.weighted_previous.scale(ab);
+        let q = self.weighted_next.scale(ab) + self.weighted_previous.scale(bb);
+        let (n, l) = (self.next, self.previous);
+        QuadricLanes {
+            xx: p.x * n.x + q.x * l.x,
+            xy: p.x * n.y + q.x * l.y,
+            xz: p.x * n.z + q.x * l.z,
+            yy: p.y * n.y + q.y * l.y,
+            yz: p.y * n.z + q.y * l.z,
+            zz: p.z * n.z + q.z * l.z,
+            ..QuadricLanes::zero()
+        }
+    }
+}
+
+/// The first two rows of the blocks of four triangles.
+#[inline(always)]
+fn head_of(q: &QuadricLanes, area: Lanes) -> [[Lanes; WIDTH]; HEAD] {
+    [Lanes::transpose([q.xx, q.xy, q.xz, q.yy]), Lanes::transpose([q.yz, q.zz, area, Lanes::splat(0.0)])]
 }

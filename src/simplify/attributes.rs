@@ -4,16 +4,17 @@
 //! Hoppe (1999) adds to the quadric of Garland & Heckbert (1997), for each attribute, the squared
 //! deviation (s − s₀ − g·d)² from the linear function on each triangle, and keeps one quadric for
 //! each wedge. Here it is memoryless as the rest: the linear functions of the current one-ring all
-//! pass through the wedge's own value, so that of a wedge only Σ area · g gᵀ, Σ area · g and its
-//! value are left. With the value eliminated two parts remain:
+//! pass through the wedge's own value, so that of a wedge only A = Σ area, G = Σ area · g, one for
+//! each attribute, S = Σ area · g gᵀ and its values are left: sums, to which a triangle is added and
+//! from which it is taken. With the merged value eliminated, an edge whose wedges u, v merge costs,
+//! d_u and d_v away from where they are,
 //!
-//! - a 3×3 matrix for each vertex, Σ area · (g − ḡ)(g − ḡ)ᵀ over each wedge's triangles: what no
-//!   single linear function can follow when the vertex moves;
-//! - for the wedges u, v that an edge merges, H (s_u + ḡ_u·d_u − s_v − ḡ_v·d_v)² with
-//!   H = A_u A_v / (A_u + A_v): what the two linear functions disagree in at the merged position.
+//! d_uᵀ S_u d_u + d_vᵀ S_v d_v + Σ (2 σ G_v·d_v + A_v σ² − (A_v σ + G_u·d_u + G_v·d_v)² / (A_u + A_v))
 //!
-//! The merged wedge gets their mean there, weighted by area. Nothing is added for an attribute that
-//! is linear over the surface, however steep: a texture laid flat on a plane costs nothing.
+//! with σ = s_v − s_u and the sum over all attributes. Other wedges at the two vertices get the value
+//! that is best for them: S − Σ G Gᵀ / A is what no single linear function can follow when they move.
+//! The merged wedge gets the mean of both functions there, weighted by area. Nothing is added for an
+//! attribute that is linear over the surface, however steep: a texture laid flat on a plane costs nothing.
 
 use super::attribute_layout::Layout;
 use super::lanes::{Lanes, Lanes3, WIDTH};
@@ -22,16 +23,16 @@ use super::topology::{Corner, Form, NONE, Topology};
 use crate::mesh::Mesh;
 use crate::mesh::weld::NO_VERTEX;
 
-/// Values and mean gradients of all wedges, in units of engine space.
+/// Rows of a block before those of the components.
+pub(super) const HEAD: usize = 2;
+
+/// Values of all wedges and the sums over their triangles, in units of engine space, areas doubled as those of quadrics.
 #[derive(Debug, Default)]
 pub(super) struct AttributeField {
     pub(super) layout: Layout,
-    /// By record and component: the value, and the mean gradient ḡ.
-    pub(super) rows: Vec<Lanes>,
-    /// By record: Σ areas of the wedge's triangles, doubled as those of quadrics.
-    pub(super) areas: Vec<f32>,
-    /// By vertex the 3×3 matrix: xx xy xz yy | yz zz – –.
-    pub(super) stiffness: Vec<[Lanes; 2]>,
+    /// A block for each record. S as xx xy xz yy | yz zz, then A; for a vertex of several wedges, in the block of the
+    /// vertex's number, S − Σ G Gᵀ / A of all of them instead. Then by component the value, and G.
+    pub(super) blocks: Vec<Lanes>,
     /// By vertex: the record of its only wedge, or [`NONE`].
     pub(super) only_record: Vec<u32>,
     /// The record of each wedge; empty if every vertex has one, whose record has the vertex's number.
@@ -43,12 +44,11 @@ pub(super) struct AttributeField {
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     pub(super) corners: Vec<Corner>,
-    /// By triangle and component.
-    pub(super) gradients: Vec<Vec3>,
-    /// Record, area, and where its gradients begin, of each triangle.
-    pub(super) triangles: Vec<(u32, f32, usize)>,
-    /// By triangle: see `attribute_update`.
-    pub(super) differences: Vec<Lanes>,
+    /// The records of a vertex.
+    pub(super) records: Vec<u32>,
+    /// See `attribute_update`.
+    pub(super) sums: Vec<Lanes>,
+    pub(super) values: Vec<f32>,
     pub(super) merged: Vec<f32>,
 }
 
@@ -84,9 +84,10 @@ impl AttributeField {
                 }
             }
         }
-        let mut rows = vec![Lanes::splat(0.0); wedges.len() * layout.components];
+        let stride = HEAD + layout.components;
+        let mut blocks = vec![Lanes::splat(0.0); wedges.len() * stride];
         let mut at = 0;
-        for (&w, rows) in wedges.iter().zip(rows.chunks_exact_mut(layout.components)) {
+        for (&w, block) in wedges.iter().zip(blocks.chunks_exact_mut(stride)) {
             let w = w as usize;
             if !mesh.wedge_sets[at].wedges.contains(&w) {
                 at = mesh.wedge_sets.partition_point(|s| s.wedges.end <= w);
@@ -95,16 +96,14 @@ impl AttributeField {
             for p in &layout.sets[at] {
                 let attribute = &set.attributes[p.attribute];
                 let first = (w - set.wedges.start) * attribute.components;
-                for (row, value) in rows[p.start..p.start + p.length].iter_mut().zip(&attribute.values[first..]) {
+                for (row, value) in block[HEAD + p.start..][..p.length].iter_mut().zip(&attribute.values[first..]) {
                     *row = Lanes::new([value * p.weight, 0.0, 0.0, 0.0]);
                 }
             }
         }
         let mut field = Self {
             layout,
-            rows,
-            areas: vec![0.0; wedges.len()],
-            stiffness: vec![[Lanes::splat(0.0); 2]; vertices],
+            blocks,
             only_record: (0..vertices as u32).collect(),
             record_of_wedge,
             scratch: Scratch::default(),
@@ -154,24 +153,47 @@ impl AttributeField {
         wedges.get(slot.unwrap_or(0)).map_or(w, |&wedge| self.record(w, wedge))
     }
 
+    /// Lanes from one block to the next.
     #[inline(always)]
-    pub(super) fn rows_of(&self, record: u32) -> &[Lanes] {
-        let first = record as usize * self.layout.components;
-        &self.rows[first..first + self.layout.components]
+    pub(super) fn stride(&self) -> usize {
+        HEAD + self.layout.components
     }
 
-    /// The 3×3 matrices of four vertices.
     #[inline(always)]
-    pub(super) fn matrices(&self, four: [u32; WIDTH]) -> QuadricLanes {
-        let rows = four.map(|v| self.stiffness[v as usize]);
-        let [xx, xy, xz, yy] = Lanes::transpose(rows.map(|r| r[0]));
-        let [yz, zz, ..] = Lanes::transpose(rows.map(|r| r[1]));
-        QuadricLanes { xx, xy, xz, yy, yz, zz, ..QuadricLanes::zero() }
+    pub(super) fn block(&self, record: u32) -> &[Lanes] {
+        let stride = self.stride();
+        &self.blocks[record as usize * stride..][..stride]
     }
 
-    fn matrix(&self, v: u32) -> Quadric {
-        let [[xx, xy, xz, yy], [yz, zz, ..]] = self.stiffness[v as usize].map(Lanes::to_array);
-        Quadric { xx, xy, xz, yy, yz, zz, g: Vec3::ZERO }
+    #[inline(always)]
+    pub(super) fn area(&self, record: u32) -> f32 {
+        self.blocks[record as usize * self.stride() + 1].lane::<2>()
+    }
+
+    /// What no linear function of its wedges can follow when the vertex moves.
+    fn stiffness(&self, v: u32) -> Quadric {
+        let only = self.only_record[v as usize];
+        let block = self.block(if only == NONE { v } else { only });
+        let [[xx, xy, xz, yy], [yz, zz, ..]] = [block[0].to_array(), block[1].to_array()];
+        let mut matrix = Quadric { xx, xy, xz, yy, yz, zz, g: Vec3::ZERO };
+        if only != NONE {
+            matrix -= self.followed(only);
+        }
+        matrix
+    }
+
+    /// Σ G Gᵀ / A: what a linear function can follow.
+    pub(super) fn followed(&self, record: u32) -> Quadric {
+        let block = self.block(record);
+        let area = block[1].lane::<2>();
+        let inverse = if area > 0.0 { 1.0 / area } else { 0.0 };
+        let mut matrix = Quadric::default();
+        for row in &block[HEAD..] {
+            let [_, x, y, z] = row.to_array();
+            let [p, q, r] = [x * inverse, y * inverse, z * inverse];
+            matrix += Quadric { xx: p * x, xy: p * y, xz: p * z, yy: q * y, yz: q * z, zz: r * z, g: Vec3::ZERO };
+        }
+        matrix
     }
 
     /// The records that merge with the edge (u, v): one pair, or two on the two sides of a seam.
@@ -201,82 +223,123 @@ impl AttributeField {
         found
     }
 
-    /// What the wedges of the edges from `u` to four others disagree in; `h` is half of each edge.
+    /// What attributes add to the cost of the edges from `u` to four others, whose halves are `h`: to the quadrics of
+    /// `u` and of the others, and beside them.
     #[inline(always)]
-    pub(super) fn mismatch(&self, topology: &Topology, u: u32, four: [u32; WIDTH], h: Lanes3) -> Mismatch {
-        let mut sum =
-            Mismatch { matrix: QuadricLanes::zero(), linear: Lanes3::splat(Vec3::ZERO), constant: Lanes::splat(0.0) };
+    pub(super) fn add_to(
+        &self,
+        topology: &Topology,
+        (u, of_u): (u32, &mut QuadricLanes),
+        (four, of_others): ([u32; WIDTH], &mut QuadricLanes),
+        h: Lanes3,
+    ) -> Mismatch {
         let own = self.only_record[u as usize];
         let others = four.map(|v| self.only_record[v as usize]);
-        if own != NONE && !others.contains(&NONE) {
-            self.add_mismatch([own; WIDTH], others, [true; WIDTH], h, &mut sum);
-        } else {
-            let pairs = four.map(|v| self.pairs(topology, u, v));
-            for side in 0..2 {
-                if pairs.iter().any(|p| p[side].is_some()) {
-                    let counts = pairs.map(|p| p[side].is_some());
-                    let of = pairs.map(|p| p[side].unwrap_or((0, 0)));
-                    self.add_mismatch(of.map(|p| p.0), of.map(|p| p.1), counts, h, &mut sum);
-                }
+        if own == NONE || others.contains(&NONE) {
+            return self.add_pairs_to(topology, (u, of_u), (four, of_others), h);
+        }
+        let blocks = others.map(|record| self.block(record));
+        let block = self.block(own);
+        let splat = |k: usize| block[k].to_array().map(Lanes::splat);
+        let [xx, xy, xz, yy] = splat(0);
+        let [yz, zz, area_u, _] = splat(1);
+        of_u.add(&QuadricLanes { xx, xy, xz, yy, yz, zz, ..QuadricLanes::zero() });
+        let [xx, xy, xz, yy] = Lanes::transpose(blocks.map(|b| b[0]));
+        let [yz, zz, area_v, _] = Lanes::transpose(blocks.map(|b| b[1]));
+        of_others.add(&QuadricLanes { xx, xy, xz, yy, yz, zz, ..QuadricLanes::zero() });
+        let inverse = Lanes::splat(1.0) / (area_u + area_v).max(Lanes::splat(f32::MIN_POSITIVE));
+        let mut sum = Mismatch::none();
+        for k in HEAD..block.len() {
+            let [su, x, y, z] = splat(k);
+            let gu = Lanes3 { x, y, z };
+            let [sv, x, y, z] = Lanes::transpose(blocks.map(|b| b[k]));
+            let gv = Lanes3 { x, y, z };
+            let step = sv - su;
+            let both = gu + gv;
+            let gv_h = gv.dot(h);
+            let weighted = area_v * step;
+            let c = weighted + gu.dot(h) - gv_h;
+            let share = both.scale(inverse);
+            sum.matrix.subtract_outer(share, both);
+            sum.linear = sum.linear + gv.scale(step) - share.scale(c);
+            sum.constant = sum.constant + step * (weighted - gv_h - gv_h) - c * c * inverse;
+        }
+        sum
+    }
+
+    /// As [`AttributeField::add_to`] where vertices have several wedges: A_u A_v / (A_u + A_v) times the squared
+    /// difference of both functions, for each pair of wedges that merge, beside what none can follow.
+    #[inline(never)]
+    fn add_pairs_to(
+        &self,
+        topology: &Topology,
+        (u, of_u): (u32, &mut QuadricLanes),
+        (four, of_others): ([u32; WIDTH], &mut QuadricLanes),
+        h: Lanes3,
+    ) -> Mismatch {
+        of_u.add(&QuadricLanes::splat(&self.stiffness(u)));
+        of_others.add(&QuadricLanes::of_matrices(four.map(|v| self.stiffness(v))));
+        let mut sum = Mismatch::none();
+        let pairs = four.map(|v| self.pairs(topology, u, v));
+        for side in 0..2 {
+            let of = pairs.map(|p| p[side].unwrap_or((0, 0)));
+            let areas = of.map(|(a, b)| [self.area(a), self.area(b)]);
+            let harmonic: [f32; WIDTH] =
+                std::array::from_fn(|k| if pairs[k][side].is_some() { harmonic(areas[k]) } else { 0.0 });
+            if harmonic == [0.0; WIDTH] {
+                continue;
+            }
+            let harmonic = Lanes::new(harmonic);
+            let inverse = |end: usize| Lanes::new(areas.map(|a| if a[end] > 0.0 { 1.0 / a[end] } else { 0.0 }));
+            let (inverse_u, inverse_v) = (inverse(0), inverse(1));
+            for k in HEAD..self.stride() {
+                let [su, x, y, z] = Lanes::transpose(of.map(|p| self.block(p.0)[k]));
+                let gu = Lanes3 { x, y, z }.scale(inverse_u);
+                let [sv, x, y, z] = Lanes::transpose(of.map(|p| self.block(p.1)[k]));
+                let gv = Lanes3 { x, y, z }.scale(inverse_v);
+                let constant = su - sv + (gu + gv).dot(h);
+                let e = gv - gu;
+                let weighted = e.scale(harmonic);
+                sum.matrix.subtract_outer(weighted, gu - gv);
+                sum.linear = sum.linear - weighted.scale(constant);
+                sum.constant = sum.constant + harmonic * constant * constant;
             }
         }
         sum
     }
 
-    #[inline(always)]
-    fn add_mismatch(
-        &self,
-        of_u: [u32; WIDTH],
-        of_v: [u32; WIDTH],
-        counts: [bool; WIDTH],
-        h: Lanes3,
-        sum: &mut Mismatch,
-    ) {
-        let area = |r: u32| self.areas[r as usize];
-        let harmonic = Lanes::new(std::array::from_fn(|k| {
-            let (a, b) = (area(of_u[k]), area(of_v[k]));
-            if counts[k] && a + b > 0.0 { a * b / (a + b) } else { 0.0 }
-        }));
-        let (of_u, of_v) = (of_u.map(|r| self.rows_of(r)), of_v.map(|r| self.rows_of(r)));
-        for k in 0..self.layout.components {
-            let [su, x, y, z] = Lanes::transpose(of_u.map(|rows| rows[k]));
-            let gu = Lanes3 { x, y, z };
-            let [sv, x, y, z] = Lanes::transpose(of_v.map(|rows| rows[k]));
-            let gv = Lanes3 { x, y, z };
-            let constant = su - sv + (gu + gv).dot(h);
-            let e = gu - gv;
-            let weighted = e.scale(harmonic);
-            let m = &mut sum.matrix;
-            m.xx = m.xx + weighted.x * e.x;
-            m.xy = m.xy + weighted.x * e.y;
-            m.xz = m.xz + weighted.x * e.z;
-            m.yy = m.yy + weighted.y * e.y;
-            m.yz = m.yz + weighted.y * e.z;
-            m.zz = m.zz + weighted.z * e.z;
-            sum.linear = sum.linear + weighted.scale(constant);
-            sum.constant = sum.constant + harmonic * constant * constant;
-        }
-    }
-
     /// The attributes' part of the cost of merging `u` and `v` at `p`.
     pub(super) fn cost_at(&self, topology: &Topology, u: u32, v: u32, p: Vec3) -> f32 {
         let [du, dv] = [u, v].map(|end| p - topology.vertices[end as usize].position());
-        let mut cost = self.matrix(u).error_at(du) + self.matrix(v).error_at(dv);
+        let mut cost = self.stiffness(u).error_at(du) + self.stiffness(v).error_at(dv);
         for (a, b) in self.pairs(topology, u, v).into_iter().flatten() {
-            let (wa, wb) = (self.areas[a as usize], self.areas[b as usize]);
-            let harmonic = if wa + wb > 0.0 { wa * wb / (wa + wb) } else { 0.0 };
-            for (&row_a, &row_b) in self.rows_of(a).iter().zip(self.rows_of(b)) {
-                let miss = value_at(row_a, du) - value_at(row_b, dv);
-                cost += harmonic * miss * miss;
+            let areas = [self.area(a), self.area(b)];
+            let inverse = areas.map(|a| if a > 0.0 { 1.0 / a } else { 0.0 });
+            for (row_a, row_b) in self.block(a)[HEAD..].iter().zip(&self.block(b)[HEAD..]) {
+                let [[sa, ga], [sb, gb]] = [along(*row_a, du), along(*row_b, dv)];
+                let miss = sa + ga * inverse[0] - sb - gb * inverse[1];
+                cost += harmonic(areas) * miss * miss;
             }
         }
         cost
     }
 }
 
-/// s + ḡ·d.
+impl Mismatch {
+    #[inline(always)]
+    fn none() -> Self {
+        Self { matrix: QuadricLanes::zero(), linear: Lanes3::splat(Vec3::ZERO), constant: Lanes::splat(0.0) }
+    }
+}
+
+/// s and G·d.
 #[inline(always)]
-pub(super) fn value_at(row: Lanes, d: Vec3) -> f32 {
+pub(super) fn along(row: Lanes, d: Vec3) -> [f32; 2] {
     let [s, x, y, z] = row.to_array();
-    s + x * d.x + y * d.y + z * d.z
+    [s, x * d.x + y * d.y + z * d.z]
+}
+
+#[inline(always)]
+fn harmonic([a, b]: [f32; 2]) -> f32 {
+    if a + b > 0.0 { a * b / (a + b) } else { 0.0 }
 }

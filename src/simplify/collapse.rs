@@ -153,10 +153,10 @@ impl Simplifier {
     #[inline(always)]
     fn follow_attributes(&mut self, split: Option<usize>, from: (u32, Vec3), into: (u32, Vec3)) {
         let Some(attributes) = &mut self.attributes else { return };
-        let Patch { ring, merges, .. } = &*self.patch;
+        let Patch { ring, merges, around, .. } = &*self.patch;
         let spliced = split.map(|split| {
             let ring = &ring[..self.topology.vertices[into.0 as usize].ring_length()];
-            Spliced { ring, split }
+            Spliced { ring, split, around }
         });
         let solve = self.options.placement == PlacementRule::Optimal;
         attributes.follow(&self.topology, spliced, merges, (from, into), solve);

@@ -251,17 +251,15 @@ impl Edges {
         let own = &topology.vertices[v as usize];
         let planes = own.kind == VertexKind::Manifold;
         let a = QuadricLanes::splat(&own.quadric());
-        let mut a = if planes { placement::stiffened(&a) } else { a };
-        a.add(&attributes.matrices([v; WIDTH]));
+        let own_quadric = if planes { placement::stiffened(&a) } else { a };
         let u = Lanes3::splat(own.position());
         let mut last = Lanes::splat(neighbours.len() as f32 - 0.5);
         for four in neighbours.chunks(WIDTH) {
             let others: [u32; WIDTH] = std::array::from_fn(|k| four[if k < four.len() { k } else { 0 }]);
             let (position, b) = QuadricLanes::gather(others.map(|w| &topology.vertices[w as usize].packed));
-            let mut b = if planes { placement::stiffened(&b) } else { b };
-            b.add(&attributes.matrices(others));
+            let (mut a, mut b) = (own_quadric, if planes { placement::stiffened(&b) } else { b });
             let h = (position - u).scale(Lanes::splat(0.5));
-            let mismatch = attributes.mismatch(topology, v, others, h);
+            let mismatch = attributes.add_to(topology, (v, &mut a), (others, &mut b), h);
             let mut found = placement::solve_with(u, &a, position, &b, &mismatch);
             let counts = Lanes::new(Lanes::INDEX).at_most(last);
             found.cost = Lanes::select(counts, found.cost, Lanes::splat(f32::INFINITY));

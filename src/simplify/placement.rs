@@ -85,7 +85,7 @@ pub(super) trait Beside {
     fn add_matrix(&self, to: [Lanes; 6]) -> [Lanes; 6];
     /// `right` less r.
     fn pull(&self, right: Lanes3) -> Lanes3;
-    /// `cost` and all three terms at `x`.
+    /// `cost` and all three terms at `x`, which may take from it.
     fn add_cost(&self, cost: Lanes, x: Lanes3) -> Lanes;
 }
 
@@ -117,7 +117,7 @@ impl Beside for Mismatch {
     #[inline(always)]
     fn add_cost(&self, cost: Lanes, x: Lanes3) -> Lanes {
         let twice = self.linear + self.linear;
-        cost + (x.dot(self.matrix.apply(x)) + twice.dot(x) + self.constant).max(Lanes::splat(0.0))
+        cost + (x.dot(self.matrix.apply(x)) + twice.dot(x) + self.constant)
     }
 }
 
@@ -131,9 +131,8 @@ pub(super) fn solve_with(u: Lanes3, a: &QuadricLanes, v: Lanes3, b: &QuadricLane
     let right = beside.pull(b.apply(h) - a.apply(h));
     let x = minimum(sum, r, right, (gu + gv, (gv - gu).dot(h)), h.dot(h) * Lanes::splat(REACH));
     let (from_u, from_v) = (x + h, x - h);
-    let cost = (from_u.dot(a.apply(from_u)) + from_v.dot(b.apply(from_v))).max(Lanes::splat(0.0));
-    let cost = beside.add_cost(cost, x);
-    Placements { position: u + from_u, cost }
+    let cost = beside.add_cost(from_u.dot(a.apply(from_u)) + from_v.dot(b.apply(from_v)), x);
+    Placements { position: u + from_u, cost: cost.max(Lanes::splat(0.0)) }
 }
 
 /// As [`solve`] for the three corners of each of four triangles, about their centroids.

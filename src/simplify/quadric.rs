@@ -303,6 +303,20 @@ impl QuadricLanes {
         Self { xx: s(q.xx), xy: s(q.xy), xz: s(q.xz), yy: s(q.yy), yz: s(q.yz), zz: s(q.zz), g }
     }
 
+    /// The matrices of four quadrics; their area vectors are left out.
+    pub(super) fn of_matrices(q: [Quadric; WIDTH]) -> Self {
+        let lanes = |of: fn(&Quadric) -> f32| Lanes::new([of(&q[0]), of(&q[1]), of(&q[2]), of(&q[3])]);
+        Self {
+            xx: lanes(|q| q.xx),
+            xy: lanes(|q| q.xy),
+            xz: lanes(|q| q.xz),
+            yy: lanes(|q| q.yy),
+            yz: lanes(|q| q.yz),
+            zz: lanes(|q| q.zz),
+            ..Self::zero()
+        }
+    }
+
     /// As [`Quadric::of_triangle`], for four.
     #[inline(always)]
     pub(super) fn of_triangles(n: Lanes3) -> Self {
@@ -357,6 +371,17 @@ impl QuadricLanes {
         self.yy = self.yy + o.yy;
         self.yz = self.yz + o.yz;
         self.zz = self.zz + o.zz;
+    }
+
+    /// Subtracts a bᵀ, which is symmetric, from the matrix.
+    #[inline(always)]
+    pub(super) fn subtract_outer(&mut self, a: Lanes3, b: Lanes3) {
+        self.xx = self.xx - a.x * b.x;
+        self.xy = self.xy - a.x * b.y;
+        self.xz = self.xz - a.x * b.z;
+        self.yy = self.yy - a.y * b.y;
+        self.yz = self.yz - a.y * b.z;
+        self.zz = self.zz - a.z * b.z;
     }
 
     #[inline(always)]
