@@ -2,7 +2,7 @@
 
 import { readFile } from 'node:fs/promises';
 import { basename, dirname, isAbsolute, join, normalize, sep } from 'node:path';
-import { externalFiles } from '../document.js';
+import { externalFiles } from '../document/open.js';
 import type { LoadedFile } from '../files.js';
 import type { Warning } from '../types.js';
 import { fileError, isMissing } from './file_error.js';
