@@ -1,7 +1,7 @@
 // Gathers the files of a model from a drop, a file input or a web address, each under its path as a model refers to it.
 
 /** File name endings that the engine reads. */
-export const MODEL_EXTENSIONS: readonly string[] = ['glb', 'gltf', 'obj', 'ply', 'stl', 'off', 'smf'];
+const MODEL_EXTENSIONS: readonly string[] = ['glb', 'gltf', 'obj', 'ply', 'stl', 'off', 'smf'];
 
 /** Files in a dropped folder beyond this are left out: somebody dropped their disk. */
 const FILE_LIMIT = 2000;

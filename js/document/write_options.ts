@@ -3,12 +3,9 @@
 import type { Encoding } from '../codecs/encode.js';
 import { invalidArgument } from '../errors.js';
 import { COMPRESSIONS, OUTPUT_FORMATS, holdsEncodings, isCompression, isOutputFormat, usualFormat } from '../formats.js';
-import { checkNames } from '../options.js';
+import { MOST_LODS, checkNames } from '../options.js';
 import { checkPrepareOptions } from '../prepare/options.js';
 import type { DocumentSummary, OutputFormat, WriteOptions } from '../types.js';
-
-/** A chain of more levels than there are octaves of triangles is a mistake. */
-const MOST_LODS = 32;
 
 /** How a level is to be encoded. */
 export interface ResolvedWriteOptions {
