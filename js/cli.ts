@@ -7,7 +7,9 @@ import { HELP, readArguments, usage, type Command, type Job } from './cli/argume
 import { readInput, type ReadInput } from './cli/input.js';
 import { checkWritable, isProgressivePath, makeDirectory, outputFormat, pathIn, refuseInputs, writeAll } from './cli/output.js';
 import { ProgressLine, errorLine, resultLine, warningLine } from './cli/text.js';
-import { openFiles, type Document, type Written } from './document.js';
+import type { Document } from './document.js';
+import { openFiles } from './document/open.js';
+import type { Written } from './document/write.js';
 import { init } from './engine.js';
 import { holdsEncodings, usualFormat } from './formats.js';
 import { DecimeshError, errorToData, type ErrorData } from './errors.js';

@@ -48,7 +48,7 @@ export const PRESETS: readonly Preset[] = ['fast', 'balanced', 'best'];
 const TARGETS = ['ratio', 'triangles', 'error'];
 
 /** Names of the options of a simplification. */
-export const SIMPLIFY_NAMES: readonly string[] = [
+const SIMPLIFY_NAMES: readonly string[] = [
   ...TARGETS, 'lockBorder', 'prune', 'attributeWeights', 'placement', 'preset', 'timeBudget', 'mergeDistance', 'memoryLimit',
 ];
 
@@ -143,6 +143,9 @@ export function resolveMaximumDeviation({ maximumDeviation, keepLevels, everyLev
   if (everyLevel === false) throw invalidArgument('everyLevel', 'is needed by maximumDeviation');
   return limit;
 }
+
+/** A chain of more levels than there are octaves of triangles is a mistake. */
+export const MOST_LODS = 32;
 
 /** Checks the types and lengths of weights and locks; the values are the engine's to check. */
 export function checkProtection({ weights, locked }: Pick<MeshSimplifyOptions, 'weights' | 'locked'>, vertices: number): void {

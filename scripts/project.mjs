@@ -123,7 +123,7 @@ export function isProgram(path) {
 }
 
 /** All files at or below the given paths of the repository, sorted; missing ones are left out. */
-export function filesBelow(paths) {
+function filesBelow(paths) {
   const files = [];
   const visit = (path) => {
     const found = statSync(at(path), { throwIfNoEntry: false });

@@ -1,18 +1,13 @@
 // The error-bounded mode: what is measured stays within the limit, and not much finer than it has to be.
-import { execFileSync } from 'node:child_process';
-import { existsSync, readFileSync, writeFileSync } from 'node:fs';
+import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { fileURLToPath } from 'node:url';
-import { gunzipSync } from 'node:zlib';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { init, openDocument } from 'decimesh';
 import { findWithin } from '../dist/bounded.js';
-import { testWithAsset } from './support/assets.ts';
 import { glb, gltfOf } from './support/glb.ts';
 import { hills } from './support/meshes.ts';
+import { meter, testWithMeter } from './support/meter.ts';
 import { decimesh, temporaryDirectory } from './support/program.ts';
-
-const meter = process.env['MESHDIST'] ?? fileURLToPath(new URL('../../shared/tools/meshdist', import.meta.url));
 
 beforeAll(() => init());
 
@@ -83,19 +78,11 @@ it('on the command line', async () => {
 });
 
 for (const name of ['fandisk', 'rocker-arm'] as const) {
-  testWithAsset(`bench/${name}.obj.gz`, `an independent meter says so too: ${name}`, async (path) => {
-    if (!existsSync(meter)) return console.log(`skipped: there is no meter at ${meter}`);
-    const bytes = gunzipSync(readFileSync(path));
+  testWithMeter(name, 'an independent meter says so too:', async (bytes) => {
     using document = await openDocument([{ name: 'model.obj', bytes }]);
     const level = await document.simplify({ maximumDeviation: '0.5%' });
     const written = await document.write({ format: 'obj' });
-    const directory = temporaryDirectory();
-    const files = [bytes, written.bytes].map((content, index) => {
-      const file = join(directory, `${index}.obj`);
-      writeFileSync(file, content);
-      return file;
-    });
-    const { haus } = JSON.parse(execFileSync(meter, files, { encoding: 'utf8' })) as { haus: number };
+    const { haus } = meter(bytes, written.bytes);
     expect(haus).toBeLessThanOrEqual(0.5);
     // `best` with fewer by a quarter is farther away than this.
     await document.simplify({ triangles: Math.floor(level.triangles / 1.25), preset: 'best', keepLevels: true });

@@ -278,7 +278,11 @@ describe('help', () => {
   it('names every option of the contract on standard output', async () => {
     const { code, stdout, stderr } = await decimesh('--help');
     expect({ code, stderr }).toEqual({ code: 0, stderr: '' });
-    const options = ['ratio', 'triangles', 'error', 'size', 'lods', 'placement', 'preset', 'time-budget', 'lock-border', 'compress', 'quantize', 'measure', 'json'];
+    const options = [
+      'ratio', 'triangles', 'error', 'max-deviation', 'size', 'lods', 'placement', 'attribute-weights', 'preset', 'time-budget', 'memory-limit', 'lock-border',
+      'prune', 'merge-distance', 'weight-attribute', 'weight-scale', 'compress', 'quantize', 'prepare', 'texture-size', 'texture-format', 'texture-quality',
+      'output', 'directory', 'measure', 'json', 'version',
+    ];
     for (const option of options) expect(stdout).toContain(`--${option}`);
   });
 

@@ -82,6 +82,7 @@ describe('compressed input', () => {
     const { wedgeSets } = await (await openDocument(BOX_DRACO())).geometry();
     const set = wedgeSets[0];
     // A unit box: every coordinate is half a unit, every normal an axis.
+    expect(set?.positions.length).toBe(72);
     for (const value of set?.positions ?? []) expect(Math.abs(value)).toBeCloseTo(0.5, 3);
     const normals = set?.attributes['NORMAL']?.values ?? [];
     expect(normals.length).toBe(72);

@@ -6,7 +6,14 @@ import { at } from '../scripts/project.mjs';
 
 const css = readFileSync(at('www', 'styles', 'tokens.css'), 'utf8');
 const block = (from: string): string => css.slice(css.indexOf('{', css.indexOf(from)), css.indexOf('}', css.indexOf(from)));
-const THEMES = { light: block(':root {'), dark: block(":root[data-theme='dark']") };
+const dark = block(":root[data-theme='dark']");
+const THEMES = { light: block(':root {'), dark };
+
+it('the dark theme is the same by the wish of the system and by the button', () => {
+  const lines = (text: string): string[] => text.split('\n').map((line) => line.trim());
+  expect(lines(block(":root:not([data-theme='light'])"))).toEqual(lines(dark));
+  expect(dark).toContain('--ink: ');
+});
 
 type Color = readonly [number, number, number];
 
@@ -27,8 +34,8 @@ const luminance = (of: Color): number => {
 };
 
 const contrast = (one: Color, other: Color): number => {
-  const [dark, light] = [luminance(one), luminance(other)].sort((a, b) => a - b) as [number, number];
-  return (light + 0.05) / (dark + 0.05);
+  const [darker, lighter] = [luminance(one), luminance(other)].sort((a, b) => a - b) as [number, number];
+  return (lighter + 0.05) / (darker + 0.05);
 };
 
 describe.each(Object.entries(THEMES))('the %s theme', (_, theme) => {

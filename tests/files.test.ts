@@ -1,6 +1,7 @@
 // How the page gathers a model's files from drops, without a browser: entries are made up, files are Node's.
 import { describe, expect, it } from 'vitest';
-import { baseName, fileNameOf, filesOfDrop, modelFile, relativeToModel } from '../www/files.ts';
+import { fileNameOf } from '../www/download.ts';
+import { baseName, filesOfDrop, modelFile, relativeToModel } from '../www/files.ts';
 
 interface Tree {
   readonly [name: string]: string | Tree;

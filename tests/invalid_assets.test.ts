@@ -45,6 +45,7 @@ it.skipIf(!present)('broken files are typed errors or documents', { timeout: 300
     expect(milliseconds, name).toBeLessThan(HANGS);
     counts.set(outcome, (counts.get(outcome) ?? 0) + 1);
   }
+  expect(paths.length).toBeGreaterThan(50);
   console.log([...counts].map(([outcome, count]) => `${outcome} ${count}`).join(', '), `; slowest ${slowest.name}: ${Math.round(slowest.milliseconds)} ms`);
   using document = await openDocument(glb(gltfOf(hills(2))));
   expect(document.summary.triangles).toBe(8);

@@ -98,6 +98,7 @@ describe('a chain', () => {
     expect(await gltfErrors(bytes)).toEqual([]);
     const tree = treeOf(bytes);
     const [first, ...others] = tree.meshes.map(({ primitives }) => primitives[0]);
+    expect(others).toHaveLength(2);
     for (const primitive of others) expect(primitive?.attributes).toEqual(first?.attributes);
     // Their indices name the same triangles as in a file of their own.
     const alone = async (ratio: number): Promise<string[]> => {

@@ -1,49 +1,27 @@
 // The page as people use it: a real browser, real files, found by role and name. Any console error fails a test.
 import { readFileSync, readdirSync } from 'node:fs';
-import type { BrowserContextOptions, Page } from 'playwright-core';
+import type { Page } from 'playwright-core';
 import { zipSync } from 'fflate';
-import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import { describe, expect, it } from 'vitest';
 import { openDocument } from 'decimesh';
 import { readFirstPrimitive, subdivide, writeGlb } from '../benches/support/subdivide.mjs';
 import { at } from '../scripts/project.mjs';
-import { dropFiles, startPage } from './support/browser.mjs';
+import { dropFiles } from './support/browser.mjs';
 import { INVALID_FILES, WITHOUT_TRIANGLES } from './support/invalid_files.ts';
 import { ONE_PIXEL, hills, plyOf } from './support/meshes.ts';
+import { LONG, sample, usePages, type PageOptions } from './support/pages.ts';
 import { gltfErrors } from './support/validate.ts';
 
-const LONG = { timeout: 40_000 };
 const fixture = (...path: string[]): Buffer => readFileSync(at('tests', 'fixtures', ...path));
-const sample = (name: string): Buffer => readFileSync(at('www', 'samples', name));
-const fan = { name: 'desk-fan.glb', bytes: sample('desk-fan.glb') };
-const nefertiti = { name: 'nefertiti.glb', bytes: sample('nefertiti.glb') };
+const fan = sample('desk-fan.glb');
+const nefertiti = sample('nefertiti.glb');
 
-let served: Awaited<ReturnType<typeof startPage>>;
+const pages = usePages({ viewport: { width: 1100, height: 760 }, serviceWorkers: 'block' });
 let page: Page;
-let problems: string[];
 
-beforeAll(async () => {
-  served = await startPage();
-});
-afterAll(() => served?.close());
-
-async function openPage(options: BrowserContextOptions = {}, path = ''): Promise<void> {
-  const context = await served.browser.newContext({ viewport: { width: 1100, height: 760 }, reducedMotion: 'reduce', serviceWorkers: 'block', ...options });
-  page = await context.newPage();
-  page.setDefaultTimeout(LONG.timeout);
-  page.on('console', (message) => {
-    if (message.type() === 'error') problems.push(message.text());
-  });
-  page.on('pageerror', (error) => problems.push(String(error)));
-  await page.goto(served.url + path);
+async function openPage(options: PageOptions = {}): Promise<void> {
+  page = await pages.open(options);
 }
-
-beforeEach(() => {
-  problems = [];
-});
-afterEach(async () => {
-  await page.context().close();
-  expect(problems).toEqual([]);
-});
 
 const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true });
 const status = (text: RegExp) => page.getByRole('status').filter({ hasText: text }).waitFor(LONG);
@@ -213,7 +191,7 @@ describe('the main job', () => {
 describe('?model=', () => {
   it('opens a model from an address', async () => {
     const asset = readdirSync(at('site', 'assets')).find((name) => /^nefertiti.*\.glb$/.test(name));
-    await openPage({}, `?model=assets/${asset}`);
+    await openPage({ path: `?model=assets/${asset}` });
     await ready();
     expect(await wanted()).toBe(70_000);
   });
@@ -224,18 +202,18 @@ describe('?model=', () => {
       const name = new URL(route.request().url()).pathname.split('/').pop() ?? '';
       return route.fulfill({ body: fixture('gltf', '18_variants', name) });
     });
-    await page.goto(`${served.url}?model=models/18_variants.gltf`);
+    await page.goto(`${pages.url}?model=models/18_variants.gltf`);
     await ready();
     expect(await wanted()).toBe(12);
     expect((await download()).name).toBe('18_variants.glb');
   });
 
   it('says what is wrong with an address', async () => {
-    await openPage({}, '?model=assets/missing.glb');
+    await openPage({ path: '?model=assets/missing.glb' });
     await page.getByRole('alert').filter({ hasText: 'cannot-read' }).waitFor();
     expect(await page.getByRole('alert').innerText()).toContain('404');
     // The browser itself reports the 404.
-    problems = problems.filter((text) => !text.includes('404'));
+    pages.forgive('404');
     await drop(nefertiti);
     await ready();
   });
@@ -591,7 +569,7 @@ describe('the view', () => {
     await page.reload();
     await page.getByRole('alert').filter({ hasText: 'no-webgl' }).waitFor();
     // three says it too.
-    problems = problems.filter((text) => !text.includes('WebGL'));
+    pages.forgive('WebGL');
     await drop(fan);
     await ready();
     await slider().focus();

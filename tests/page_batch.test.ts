@@ -2,32 +2,22 @@
 import { readFileSync } from 'node:fs';
 import { unzipSync } from 'fflate';
 import type { Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import { describe, expect, it } from 'vitest';
 import { openDocument } from 'decimesh';
 import { at } from '../scripts/project.mjs';
-import { dropFiles, startPage } from './support/browser.mjs';
+import { dropFiles } from './support/browser.mjs';
 import { hills, plyOf } from './support/meshes.ts';
-import { LONG, openPanelPage, type PanelPage } from './support/panel_page.ts';
+import { LONG, usePages } from './support/pages.ts';
 
 const fixture = (...path: string[]): Buffer => readFileSync(at('tests', 'fixtures', ...path));
 const plate = (size: number): Uint8Array => plyOf(hills(size));
 
-let served: Awaited<ReturnType<typeof startPage>>;
+const pages = usePages({ viewport: { width: 1280, height: 900 }, picture: false });
+const { status } = pages;
 let page: Page;
-let problems: string[];
-let status: PanelPage['status'];
-
-beforeAll(async () => {
-  served = await startPage();
-});
-afterAll(() => served?.close());
-afterEach(async () => {
-  await page.context().close();
-  expect(problems).toEqual([]);
-});
 
 const open = async (): Promise<void> => {
-  ({ page, problems, status } = await openPanelPage(served.browser, served.url));
+  page = await pages.open();
 };
 const items = () => page.getByRole('list', { name: 'Several models' }).getByRole('listitem');
 

@@ -3,29 +3,19 @@ import { mkdirSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import type { AxeResults } from 'axe-core';
 import type { Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import { describe, expect, it } from 'vitest';
 import { at } from '../scripts/project.mjs';
-import { dropFiles, startPage } from './support/browser.mjs';
+import { dropFiles } from './support/browser.mjs';
 import { hills, plyOf } from './support/meshes.ts';
-import { openPanelPage, type PanelPage } from './support/panel_page.ts';
+import { sample, usePages } from './support/pages.ts';
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-const helmet = { name: 'flight-helmet.glb', bytes: readFileSync(at('www', 'samples', 'flight-helmet.glb')) };
+const helmet = sample('flight-helmet.glb');
 const plates = [20, 24].map((size) => ({ name: `plate-${size}.ply`, bytes: plyOf(hills(size)) }));
 
-let served: Awaited<ReturnType<typeof startPage>>;
+const pages = usePages({ picture: false });
+const { status } = pages;
 let page: Page;
-let problems: string[];
-let status: PanelPage['status'];
-
-beforeAll(async () => {
-  served = await startPage();
-});
-afterAll(() => served?.close());
-afterEach(async () => {
-  await page.context().close();
-  expect(problems).toEqual([]);
-});
 
 async function violations(): Promise<string[]> {
   await page.evaluate(AXE);
@@ -127,7 +117,7 @@ async function openModel(): Promise<void> {
 
 describe.each([['light', 1280], ['dark', 360]] as const)('%s at %i pixels', (colorScheme, width) => {
   it.each(STATES)('%s has no violation, and Tab comes to every control', async (_, reach) => {
-    ({ page, problems, status } = await openPanelPage(served.browser, served.url, { colorScheme, viewport: { width, height: 800 } }));
+    page = await pages.open({ colorScheme, viewport: { width, height: 800 } });
     await reach();
     expect(await violations()).toEqual([]);
     expect(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)).toBe(false);
@@ -137,7 +127,7 @@ describe.each([['light', 1280], ['dark', 360]] as const)('%s at %i pixels', (col
 
 describe('every language', () => {
   it.each(['en', 'de', 'es', 'it', 'ja', 'zh'])('%s fits the panel, the sheets and the start page', async (locale) => {
-    ({ page, problems, status } = await openPanelPage(served.browser, served.url, { locale, viewport: { width: 1280, height: 800 } }));
+    page = await pages.open({ locale, viewport: { width: 1280, height: 800 } });
     const tooWide = (): Promise<string[]> =>
       page.evaluate(() =>
         [...document.querySelectorAll('.landing-zone, .model-panel, .panel-foot, .download, .lod-head, .lod-marks, .sheet-body, .top-actions')]
@@ -168,7 +158,7 @@ describe('pictures to look at', () => {
   it.each(sizes.flatMap(([width, height]) => (['light', 'dark'] as const).map((theme) => [width, height, theme] as const)))(
     'at %i × %i, %s, without and with a model', async (width, height, theme) => {
       mkdirSync(directory, { recursive: true });
-      ({ page, problems, status } = await openPanelPage(served.browser, served.url, { colorScheme: theme, viewport: { width, height }, picture: true }));
+      page = await pages.open({ colorScheme: theme, viewport: { width, height }, picture: true });
       await page.locator('.mesh-field path[d^="M"]').waitFor({ state: 'attached' });
       await page.screenshot({ path: `${directory}/${width}-${theme}-start.png` });
       await dropFiles(page, [helmet]);

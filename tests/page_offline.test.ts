@@ -2,44 +2,24 @@
 import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import type { BrowserContext, Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, beforeEach, expect, it } from 'vitest';
+import type { Page } from 'playwright-core';
+import { afterAll, beforeAll, beforeEach, expect, it } from 'vitest';
 import { at } from '../scripts/project.mjs';
-import { dropFiles, startPage } from './support/browser.mjs';
+import { dropFiles } from './support/browser.mjs';
+import { LONG, sample, usePages } from './support/pages.ts';
 
-const LONG = { timeout: 40_000 };
-const nefertiti = { name: 'nefertiti.glb', bytes: readFileSync(at('www', 'samples', 'nefertiti.glb')) };
+const nefertiti = sample('nefertiti.glb');
 const draco = ['BoxDraco.gltf', '0.bin'].map((name) => ({ name, bytes: readFileSync(at('tests', 'fixtures', 'codecs', 'BoxDraco', name)) }));
 
 // A copy of the page, in which a new version can be put.
 const site = mkdtempSync(join(tmpdir(), 'decimesh-site-'));
-let served: Awaited<ReturnType<typeof startPage>>;
-let context: BrowserContext;
-let page: Page;
-let problems: string[];
+beforeAll(() => cpSync(at('site'), site, { recursive: true }));
+afterAll(() => rmSync(site, { recursive: true, force: true }));
 
-beforeAll(async () => {
-  cpSync(at('site'), site, { recursive: true });
-  served = await startPage(site);
-});
-afterAll(async () => {
-  await served?.close();
-  rmSync(site, { recursive: true, force: true });
-});
+const pages = usePages({ directory: site, viewport: { width: 1100, height: 760 } });
+let page: Page;
 beforeEach(async () => {
-  problems = [];
-  context = await served.browser.newContext({ viewport: { width: 1100, height: 760 }, reducedMotion: 'reduce' });
-  page = await context.newPage();
-  page.setDefaultTimeout(LONG.timeout);
-  page.on('console', (message) => {
-    if (message.type() === 'error') problems.push(message.text());
-  });
-  page.on('pageerror', (error) => problems.push(String(error)));
-  await page.goto(served.url);
-});
-afterEach(async () => {
-  await context.close();
-  expect(problems).toEqual([]);
+  page = await pages.open();
 });
 
 const status = (text: RegExp) => page.getByRole('status').filter({ hasText: text }).waitFor(LONG);
@@ -66,7 +46,7 @@ it('can be installed: the manifest is whole and its pictures are there', async (
     expect(`${bytes.readUInt32BE(16)}x${bytes.readUInt32BE(20)}`).toBe(sizes);
   }
   expect(manifest.icons.map(({ purpose }: { purpose: string }) => purpose)).toContain('maskable');
-  const session = await context.newCDPSession(page);
+  const session = await page.context().newCDPSession(page);
   const { errors } = await session.send('Page.getAppManifest');
   expect(errors).toEqual([]);
 });
@@ -74,7 +54,7 @@ it('can be installed: the manifest is whole and its pictures are there', async (
 it('opens, simplifies and saves without a network after the first visit, compressed models too', async () => {
   await expect.poll(isControlled, LONG).toBe(true);
   await expect.poll(() => kept('draco_decoder'), LONG).toBe(true);
-  await context.setOffline(true);
+  await page.context().setOffline(true);
   await page.reload();
   await page.getByRole('heading', { level: 1 }).waitFor();
   await dropFiles(page, [nefertiti]);
@@ -131,7 +111,7 @@ it('opens what another program shares with it, once', async () => {
   await ready();
   expect(await page.title()).toContain('größe 1');
   expect(new URL(page.url()).searchParams.has('shared')).toBe(false);
-  await page.goto(`${served.url}?shared`);
+  await page.goto(`${pages.url}?shared`);
   await page.getByRole('heading', { level: 1 }).waitFor();
   expect(await page.evaluate(() => caches.has('decimesh-shared'))).toBe(false);
 });
@@ -147,7 +127,7 @@ it('opens a pasted file, and a pasted address', async () => {
   await paste('file', nefertiti.bytes.toString('base64'));
   await ready();
   expect(await page.title()).toContain('pasted');
-  await paste('address', `${served.url}assets/nothing.glb`);
+  await paste('address', `${pages.url}assets/nothing.glb`);
   await page.getByRole('alert').filter({ hasText: 'cannot-read' }).waitFor();
-  problems = problems.filter((text) => !text.includes('404'));
+  pages.forgive('404');
 });

@@ -1,35 +1,22 @@
 // The panel beside the view as people use it: limits, options, parts of a model, levels, results, undo, the address.
 import { readFileSync } from 'node:fs';
-import type { BrowserContextOptions, Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
-import { at } from '../scripts/project.mjs';
-import { dropFiles, startPage } from './support/browser.mjs';
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
+import { dropFiles } from './support/browser.mjs';
 import { hills, plyOf } from './support/meshes.ts';
-import { LONG, openPanelPage, type PanelPage } from './support/panel_page.ts';
+import { LONG, sample, usePages, type PageOptions } from './support/pages.ts';
 import { gltfErrors } from './support/validate.ts';
 
-const sample = (name: string): Buffer => readFileSync(at('www', 'samples', name));
-const fan = { name: 'desk-fan.glb', bytes: sample('desk-fan.glb') };
-const helmet = { name: 'flight-helmet.glb', bytes: sample('flight-helmet.glb') };
+const fan = sample('desk-fan.glb');
+const helmet = sample('flight-helmet.glb');
 
-let served: Awaited<ReturnType<typeof startPage>>;
+const pages = usePages({ viewport: { width: 1280, height: 900 }, permissions: ['clipboard-read', 'clipboard-write'], picture: false });
+const { status } = pages;
 let page: Page;
-let problems: string[];
-let status: PanelPage['status'];
 
-beforeAll(async () => {
-  served = await startPage();
-});
-afterAll(() => served?.close());
-
-async function openPage(options: BrowserContextOptions = {}, path = ''): Promise<void> {
-  ({ page, problems, status } = await openPanelPage(served.browser, served.url + path, options));
+async function openPage(options: PageOptions = {}): Promise<void> {
+  page = await pages.open(options);
 }
-
-afterEach(async () => {
-  await page.context().close();
-  expect(problems).toEqual([]);
-});
 
 const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true });
 const ready = () => status(/^Ready/);
@@ -222,7 +209,7 @@ describe('details', () => {
 
 describe('the address', () => {
   it('brings a sample back as it was left', async () => {
-    await openPage({}, '?sample=desk-fan&triangles=5000&quality=fast&compression=meshopt&prune=1&weights=normal:2,wrong:3&junk=1');
+    await openPage({ path: '?sample=desk-fan&triangles=5000&quality=fast&compression=meshopt&prune=1&weights=normal:2,wrong:3&junk=1' });
     await status(/^Ready\. Showing/);
     expect(await wanted()).toBe(5000);
     expect(await page.getByRole('radio', { name: 'Fast', exact: true }).isChecked()).toBe(true);
@@ -243,7 +230,7 @@ describe('the address', () => {
   });
 
   it('that makes no sense changes nothing', async () => {
-    await openPage({}, '?sample=nothing&triangles=-3&error=abc&size=&quality=worst&compression=zip&lods=1&keep=-1,x&weights=uv:99');
+    await openPage({ path: '?sample=nothing&triangles=-3&error=abc&size=&quality=worst&compression=zip&lods=1&keep=-1,x&weights=uv:99' });
     await dropFiles(page, [fan]);
     await status(/^Ready\. 21,080/);
   });

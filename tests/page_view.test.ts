@@ -2,44 +2,23 @@
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import type { AxeResults } from 'axe-core';
-import type { BrowserContextOptions, Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
 import { readFirstPrimitive, subdivide, writeGlb } from '../benches/support/subdivide.mjs';
 import { at } from '../scripts/project.mjs';
-import { dropFiles, startPage } from './support/browser.mjs';
+import { dropFiles } from './support/browser.mjs';
+import { LONG, sample, usePages, type PageOptions } from './support/pages.ts';
 import { openViewWorker, viewWorkerOf } from './support/view_worker.mjs';
 
-const LONG = { timeout: 40_000 };
-const fan = { name: 'desk-fan.glb', bytes: readFileSync(at('www', 'samples', 'desk-fan.glb')) };
-const nefertiti = { name: 'nefertiti.glb', bytes: readFileSync(at('www', 'samples', 'nefertiti.glb')) };
+const fan = sample('desk-fan.glb');
+const nefertiti = sample('nefertiti.glb');
 const morphing = { name: 'cube.glb', bytes: readFileSync(at('tests', 'fixtures', 'gltf', 'AnimatedMorphCube.glb')) };
 
-let served: Awaited<ReturnType<typeof startPage>>;
+const pages = usePages({ viewport: { width: 1100, height: 760 }, serviceWorkers: 'block' });
 let page: Page;
-let problems: string[];
 
-beforeAll(async () => {
-  served = await startPage();
-});
-afterAll(() => served?.close());
-beforeEach(() => {
-  problems = [];
-});
-afterEach(async () => {
-  await page.context().close();
-  expect(problems).toEqual([]);
-});
-
-async function openPage(options: BrowserContextOptions = {}, before?: () => void): Promise<void> {
-  const context = await served.browser.newContext({ viewport: { width: 1100, height: 760 }, reducedMotion: 'reduce', serviceWorkers: 'block', ...options });
-  page = await context.newPage();
-  page.setDefaultTimeout(LONG.timeout);
-  page.on('console', (message) => {
-    if (message.type() === 'error') problems.push(message.text());
-  });
-  page.on('pageerror', (error) => problems.push(String(error)));
-  if (before !== undefined) await page.addInitScript(before);
-  await page.goto(served.url);
+async function openPage(options: PageOptions = {}): Promise<void> {
+  page = await pages.open(options);
 }
 
 const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true });
@@ -369,7 +348,7 @@ describe('the canvas', () => {
   });
 
   it('survives the loss of its graphics context in its worker, with what was being looked at', async () => {
-    await openPage({}, openViewWorker);
+    await openPage({ before: openViewWorker });
     await openAt(fan, '4000');
     await options().click();
     await choice('Checker on texture coordinates').check();

@@ -63,7 +63,7 @@ export const DEFAULT_CHOICES: Choices = {
 export const USUAL_LODS: readonly number[] = [1, 0.5, 0.25, 0.1];
 
 /** Levels in one file at most, as in the package. */
-export const MOST_LODS = 32;
+const MOST_LODS = 32;
 
 /** The same text for the same settings. */
 export const runKey = (run: RunSettings): string => JSON.stringify([run.lockBorder, run.prune, WEIGHTS.map((name) => run.weights[name]), run.kept]);

@@ -1,6 +1,6 @@
 // A model from the web with the files it refers to.
 import type { WorkerClient } from 'decimesh/worker';
-import { decodePath, fetchFile } from './files.ts';
+import { decodePath, fetchFile } from './download.ts';
 
 /** How a download is watched and stopped. */
 interface Fetching {

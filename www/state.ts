@@ -11,6 +11,7 @@ import type { Language } from './messages/messages.ts';
 import type { Deviation, Level, Model, Notice, Output, Source, Step, Task } from './model.ts';
 import { NO_CONTENTS } from './preview/no-contents.ts';
 import type { EdgeCounts, Insets, ViewContents, ViewSettings } from './preview/protocol.ts';
+import { STILL_LIFE } from './preview/settings.ts';
 
 export type * from './model.ts';
 
@@ -70,20 +71,7 @@ export const initialState: State = {
   help: false,
   batch: null,
   language: 'en',
-  view: {
-    surface: 'textured',
-    wireframe: false,
-    edgeClasses: false,
-    playing: true,
-    animation: 0,
-    comparing: false,
-    layout: 'single',
-    split: 0.5,
-    turntable: false,
-    lamp: 'view',
-    morphs: [],
-    theme: 'system',
-  },
+  view: { ...STILL_LIFE, playing: true, theme: 'system' },
   contents: NO_CONTENTS,
   edgeCounts: null,
   reducedMotion: false,

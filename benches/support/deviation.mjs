@@ -25,7 +25,7 @@ process.on('exit', () => rmSync(work, { recursive: true, force: true }));
 const written = new Set();
 
 /** Digest of a mesh's arrays. */
-export const meshDigest = ({ positions, indices }) => digest(positions, indices);
+const meshDigest = ({ positions, indices }) => digest(positions, indices);
 
 /**
  * The key of a result that is made from `original` by what `parts` names: hash of the model, the meter, the parts.
@@ -58,7 +58,7 @@ export function measure(original, result) {
 }
 
 /** Length of all edges that one triangle uses; vertices at the same position are one. */
-export function borderLength({ positions, indices }) {
+function borderLength({ positions, indices }) {
   const vertexAt = new Map();
   const vertex = Uint32Array.from({ length: positions.length / 3 }, (_, at) => {
     const key = `${positions[3 * at]} ${positions[3 * at + 1]} ${positions[3 * at + 2]}`;

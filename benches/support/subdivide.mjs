@@ -71,20 +71,6 @@ export function readFirstPrimitive(glb) {
   return { positions: read(attributes.POSITION), indices: Uint32Array.from(read(indices)) };
 }
 
-/** The positions and triangles of an OBJ text; polygons become fans. */
-export function readObj(text) {
-  const positions = [];
-  const indices = [];
-  for (const line of text.split('\n')) {
-    const [keyword, ...words] = line.trim().split(/\s+/);
-    if (keyword === 'v') positions.push(...words.slice(0, 3).map(Number));
-    if (keyword !== 'f') continue;
-    const corners = words.map((word) => Number.parseInt(word, 10) - 1);
-    for (let corner = 2; corner < corners.length; corner += 1) indices.push(corners[0], corners[corner - 1], corners[corner]);
-  }
-  return { positions: Float32Array.from(positions), indices: Uint32Array.from(indices) };
-}
-
 /** A GLB of one mesh. */
 export function writeGlb({ positions, indices }) {
   const min = [Infinity, Infinity, Infinity];

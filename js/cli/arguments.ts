@@ -2,7 +2,7 @@
 
 import { parseArgs, type ParseArgsConfig } from 'node:util';
 import { DecimeshError } from '../errors.js';
-import { PRESETS, WEIGHT_NAMES, isPreset } from '../options.js';
+import { MOST_LODS, PRESETS, WEIGHT_NAMES, isPreset } from '../options.js';
 import { COMPRESSIONS, isCompression } from '../formats.js';
 import { isProgressivePath } from './output.js';
 import { IMAGE_FORMATS, isImageFormat } from '../prepare/options.js';
@@ -250,8 +250,6 @@ function lengthOf(name: string, text: string | undefined): DocumentSimplifyOptio
   const value = number(name, text?.replace(/%$/, ''), wanted, () => true);
   return text?.endsWith('%') ? `${value as number}%` : value;
 }
-
-const MOST_LODS = 32;
 
 function levelList(text: string | undefined): number[] | undefined {
   const levels = text?.split(',').map((part) => number('--lods', part, 'numbers from 0 to 1 with commas between', (value) => value <= 1) as number);

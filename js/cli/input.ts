@@ -2,7 +2,7 @@
 
 import { readFile } from 'node:fs/promises';
 import { basename, dirname, isAbsolute, join, normalize, sep } from 'node:path';
-import { externalFiles } from '../document.js';
+import { externalFiles } from '../document/open.js';
 import type { LoadedFile } from '../files.js';
 import type { Warning } from '../types.js';
 import { fileError, isMissing } from './file_error.js';
@@ -59,7 +59,7 @@ async function read(path: string): Promise<Uint8Array> {
  * The path from the model that a relative URI in `folder` (empty, or ending with `/`) names, if that stays in the
  * model's folder; undefined for any other URI.
  */
-export function pathInside(uri: string, folder = ''): string | undefined {
+function pathInside(uri: string, folder = ''): string | undefined {
   // A scheme, and also a drive.
   if (/^[a-z][a-z0-9+.-]*:/i.test(uri)) return undefined;
   let decoded = uri.split(/[?#]/)[0] ?? '';

@@ -41,7 +41,7 @@ interface Entry {
 const MODELS = /\.(glb|gltf|obj|ply|stl|off|smf)$/i;
 
 /** Whether the bytes begin as those of a zip archive. */
-export function isArchive(bytes: Uint8Array): boolean {
+function isArchive(bytes: Uint8Array): boolean {
   const [p, k, a, b] = bytes;
   return p === 0x50 && k === 0x4b && ((a === 3 && b === 4) || (a === 5 && b === 6));
 }

@@ -276,7 +276,7 @@ export interface PackedView {
 }
 
 /** What stands for 1 in normalised integers. */
-export const FULL_SCALE: Readonly<Partial<Record<ComponentType, number>>> = { 5120: 127, 5121: 255, 5122: 32767, 5123: 65535 };
+const FULL_SCALE: Readonly<Partial<Record<ComponentType, number>>> = { 5120: 127, 5121: 255, 5122: 32767, 5123: 65535 };
 
 function references(list: unknown): Array<readonly [string, number]> {
   return Object.entries(objectOr(list)).flatMap(([semantic, value]) => (uint(value) === undefined ? [] : [[semantic, value as number] as const]));

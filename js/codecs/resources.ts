@@ -111,7 +111,7 @@ export function findFile(uri: string, files: readonly LoadedFile[], main: Loaded
 }
 
 /** `./a/../b\c` as `b/c`. */
-export function normalize(name: string): string {
+function normalize(name: string): string {
   const parts: string[] = [];
   for (const part of name.split(/[/\\]/)) {
     if (part === '' || part === '.') continue;

@@ -51,7 +51,7 @@ export async function imageCodec(): Promise<ImageCodec> {
 }
 
 /** The size of an image whose longer side is at most `maxSize`. */
-export function sizeWithin(width: number, height: number, maxSize: number | undefined): readonly [number, number] {
+function sizeWithin(width: number, height: number, maxSize: number | undefined): readonly [number, number] {
   const scale = maxSize === undefined ? 1 : Math.min(1, maxSize / Math.max(width, height));
   return [Math.max(1, Math.round(width * scale)), Math.max(1, Math.round(height * scale))];
 }

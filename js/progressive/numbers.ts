@@ -56,7 +56,7 @@ const bits = new Int32Array(1);
 const float = new Float32Array(bits.buffer);
 
 /** The bits of a float as an integer that rises with it. */
-export function orderedBits(value: number): number {
+function orderedBits(value: number): number {
   float[0] = value;
   const raw = bits[0] as number;
   return raw < 0 ? raw ^ 0x7fffffff : raw;

@@ -1,6 +1,6 @@
 // The client: the calls of the package, done in a worker. The worker owns the documents, the client knows numbers.
 
-import type { Written } from '../document.js';
+import type { Written } from '../document/write.js';
 import { DecimeshError, errorFromData, invalidArgument } from '../errors.js';
 import { isFile, listFiles, loadFiles } from '../files.js';
 import { RUN_NAMES, checkNames, checkSignal } from '../options.js';

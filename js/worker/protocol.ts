@@ -7,7 +7,7 @@
 
 import type { ErrorData } from '../errors.js';
 import type { LoadedFile } from '../files.js';
-import type { Written } from '../document.js';
+import type { Written } from '../document/write.js';
 import type { ProgressiveOptions } from '../progressive/encode.js';
 import type { Deviation, DeviationMap } from '../report.js';
 import type {

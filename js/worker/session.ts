@@ -1,6 +1,7 @@
 // The worker's side of the protocol, apart from the port it speaks through: owns the documents, answers requests.
 
-import { externalFiles, openFiles, type Document } from '../document.js';
+import type { Document } from '../document.js';
+import { externalFiles, openFiles } from '../document/open.js';
 import { init } from '../engine.js';
 import { DecimeshError, errorToData } from '../errors.js';
 import { loadFiles } from '../files.js';

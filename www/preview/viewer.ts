@@ -12,6 +12,7 @@ import type { LoadedModel, Part } from './load.ts';
 import { panesOf } from './panes.ts';
 import type { Pane } from './panes.ts';
 import type { CameraMove, EdgeCounts, Insets, ViewSettings, ViewSize, ViewTheme } from './protocol.ts';
+import { STILL_LIFE } from './settings.ts';
 import { softShadow } from './shadow.ts';
 import { Side } from './side.ts';
 import type { LineMaterials } from './side.ts';
@@ -36,20 +37,6 @@ export interface ViewerEvents {
   /** The classes of edges that are drawn now, of the result where both are; null when none are. */
   onEdges(counts: EdgeCounts | null): void;
 }
-
-const STILL_LIFE: ViewSettings = {
-  surface: 'textured',
-  wireframe: false,
-  edgeClasses: false,
-  playing: false,
-  animation: 0,
-  comparing: false,
-  layout: 'single',
-  split: 0.5,
-  turntable: false,
-  lamp: 'view',
-  morphs: [],
-};
 
 /** Owns the canvas's WebGL context and everything in it. The constructor throws when there is no WebGL2. */
 export class Viewer {

@@ -1,9 +1,10 @@
 // The slider `Triangles`: its value is the count itself, its length is logarithmic.
 import type { ComponentChildren } from 'preact';
-import { useRef, useState } from 'preact/hooks';
+import { useRef } from 'preact/hooks';
 import { formatCount, formatShare } from '../../format.ts';
 import { t } from '../../messages/messages.ts';
 import { clamp } from '../../state.ts';
+import { useDraft } from '../number-field/draft.ts';
 import { positionOfTriangles, trianglesAtPosition } from './scale.ts';
 import './lod-slider.css';
 
@@ -63,7 +64,7 @@ export function LodSlider({ value, fewest, all, pending, onChange, children }: L
     <div class="lod-slider">
       <div class="lod-head">
         <label for="triangles">{t('slider.triangles')}</label>
-        <CountField value={value} fewest={fewest} all={all} onCommit={(count) => { startGesture(); onChange(count, gesture.current); }} />
+        <CountField value={value} fewest={fewest} all={all} onCommit={choose} />
         <span class={pending ? 'lod-share pending' : 'lod-share'}>{formatShare(value / all)}</span>
         {children}
       </div>
@@ -95,8 +96,7 @@ export function LodSlider({ value, fewest, all, pending, onChange, children }: L
           onKeyDown={onKeyDown}
           onInput={(event) => {
             // Assistive technology sets the value without pointer or keys.
-            startGesture();
-            onChange(event.currentTarget.valueAsNumber, gesture.current);
+            choose(event.currentTarget.valueAsNumber);
           }}
         />
         <div class="lod-thumb" aria-hidden="true" />
@@ -167,14 +167,11 @@ interface CountFieldProps {
 
 /** The count in figures, to be typed over; what is typed counts at Enter or when the field is left. */
 function CountField({ value, fewest, all, onCommit }: CountFieldProps) {
-  const [draft, setDraft] = useState<string | null>(null);
-  const commit = (): void => {
+  const draft = useDraft(formatCount(value), (typed) => {
     // Thousands separators of any custom are skipped, and so is a unit.
-    const count = Number((draft ?? '').replace(/[^\d]/g, '') || Number.NaN);
-    setDraft(null);
-    if (draft !== null && Number.isFinite(count)) onCommit(clamp(count, fewest, all));
-  };
-  const shown = draft ?? formatCount(value);
+    const count = Number(typed.replace(/[^\d]/g, '') || Number.NaN);
+    if (Number.isFinite(count)) onCommit(clamp(count, fewest, all));
+  });
   return (
     <input
       class="lod-count"
@@ -182,18 +179,8 @@ function CountField({ value, fewest, all, onCommit }: CountFieldProps) {
       inputMode="numeric"
       autocomplete="off"
       aria-label={t('slider.exact')}
-      style={{ '--digits': String(Math.max(shown.length, 1)) }}
-      value={shown}
-      onFocus={(event) => event.currentTarget.select()}
-      onInput={(event) => setDraft(event.currentTarget.value)}
-      onBlur={commit}
-      onKeyDown={(event) => {
-        if (event.key === 'Enter') commit();
-        if (event.key === 'Escape' && draft !== null) {
-          event.stopPropagation();
-          setDraft(null);
-        }
-      }}
+      style={{ '--digits': String(Math.max(draft.value.length, 1)) }}
+      {...draft}
     />
   );
 }

@@ -1,7 +1,7 @@
 // A number to be typed, with its unit: it counts at Enter or when the field is left, and may be emptied.
-import { useState } from 'preact/hooks';
 import { currentLanguage } from '../../messages/messages.ts';
 import { readNumber } from '../../format.ts';
+import { useDraft } from './draft.ts';
 import './number-field.css';
 
 interface NumberFieldProps {
@@ -17,16 +17,13 @@ interface NumberFieldProps {
 }
 
 export function NumberField({ id, label, unit, value, low, high, onCommit }: NumberFieldProps) {
-  const [draft, setDraft] = useState<string | null>(null);
-  const commit = (): void => {
-    if (draft === null) return;
-    setDraft(null);
-    const typed = readNumber(draft);
-    if (draft.trim() === '') {
+  const shown = value === null ? '' : value.toLocaleString(currentLanguage(), { maximumSignificantDigits: 6, useGrouping: false });
+  const draft = useDraft(shown, (text) => {
+    const typed = readNumber(text);
+    if (text.trim() === '') {
       if (value !== null) onCommit(null);
     } else if (typed !== null && typed >= low && typed <= high && typed !== value) onCommit(typed);
-  };
-  const shown = draft ?? (value === null ? '' : value.toLocaleString(currentLanguage(), { maximumSignificantDigits: 6, useGrouping: false }));
+  });
   return (
     <span class="number-field">
       <label for={id}>{label}</label>
@@ -36,18 +33,8 @@ export function NumberField({ id, label, unit, value, low, high, onCommit }: Num
           type="text"
           inputMode="decimal"
           autocomplete="off"
-          value={shown}
           placeholder="–"
-          onFocus={(event) => event.currentTarget.select()}
-          onInput={(event) => setDraft(event.currentTarget.value)}
-          onBlur={commit}
-          onKeyDown={(event) => {
-            if (event.key === 'Enter') commit();
-            if (event.key === 'Escape' && draft !== null) {
-              event.stopPropagation();
-              setDraft(null);
-            }
-          }}
+          {...draft}
         />
         <span class="number-field-unit">{unit}</span>
       </span>

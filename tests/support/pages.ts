@@ -1,0 +1,90 @@
+// What the tests of the page share: the page served and a browser for each file, a page for each test that must not complain.
+import { readFileSync } from 'node:fs';
+import type { BrowserContextOptions, Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, expect } from 'vitest';
+import { at } from '../../scripts/project.mjs';
+import { startPage } from './browser.mjs';
+
+/** For what takes long on two busy cores; less than a test may take, so that it is told what was waited for. */
+export const LONG = { timeout: 50_000 };
+
+/** How to open a page; what a browser's context takes goes there. */
+export interface PageOptions extends BrowserContextOptions {
+  /** What follows the address. Default: nothing. */
+  readonly path?: string;
+  /** Runs in the page before its own scripts. */
+  readonly before?: () => void;
+  /** `false` takes WebGL away, which takes a processor most of its time, and puts the notice about that away. Default: true. */
+  readonly picture?: boolean;
+}
+
+/** The pages of one file of tests. */
+export interface Pages {
+  /** Where the page is served. */
+  readonly url: string;
+  /** Opens a page in a context of its own; it is closed after the test. One for each test. */
+  open(options?: PageOptions): Promise<Page>;
+  /** Waits until the live region says what matches; also while a sheet hides it. */
+  status(text: RegExp): Promise<void>;
+  /** Complaints so far that contain `text` were to be expected. */
+  forgive(text: string): void;
+}
+
+/**
+ * Serves `directory` (default: site/) for the tests of the file that calls this, and closes everything after them. A test
+ * in which the page wrote an error to the console, or threw one, fails. `defaults` are for every page.
+ */
+export function usePages({ directory, ...defaults }: PageOptions & { readonly directory?: string } = {}): Pages {
+  let served: Awaited<ReturnType<typeof startPage>>;
+  let page: Page | undefined;
+  let problems: string[] = [];
+
+  beforeAll(async () => {
+    served = await startPage(directory);
+  });
+  afterAll(() => served?.close());
+  afterEach(async () => {
+    await page?.context().close();
+    page = undefined;
+    const found = problems;
+    problems = [];
+    expect(found).toEqual([]);
+  });
+
+  return {
+    get url() {
+      return served.url;
+    },
+    async open(options = {}) {
+      const { path = '', before, picture = true, ...context } = { ...defaults, ...options };
+      page = await (await served.browser.newContext({ reducedMotion: 'reduce', ...context })).newPage();
+      page.setDefaultTimeout(LONG.timeout);
+      page.on('console', (message) => {
+        // three says itself that there is no WebGL.
+        if (message.type() === 'error' && !(!picture && message.text().includes('WebGL'))) problems.push(message.text());
+      });
+      page.on('pageerror', (error) => problems.push(String(error)));
+      if (!picture) await page.addInitScript(takeWebGLAway);
+      if (before !== undefined) await page.addInitScript(before);
+      await page.goto(served.url + path);
+      return page;
+    },
+    status: (text) => (page as Page).locator('p[role=status]').filter({ hasText: text }).waitFor({ ...LONG, state: 'attached' }),
+    forgive(text) {
+      problems = problems.filter((problem) => !problem.includes(text));
+    },
+  };
+}
+
+function takeWebGLAway(): void {
+  Reflect.deleteProperty(HTMLCanvasElement.prototype, 'transferControlToOffscreen');
+  HTMLCanvasElement.prototype.getContext = () => null;
+  new MutationObserver(() => {
+    const notice = [...document.querySelectorAll('.notice')].find(({ textContent }) => textContent?.includes('no-webgl'));
+    notice?.querySelector('button')?.click();
+  }).observe(document, { childList: true, subtree: true });
+}
+
+/** A file to be dropped: the sample of this name that the page offers. */
+export const sample = (name: string): { readonly name: string; readonly bytes: Buffer } =>
+  ({ name, bytes: readFileSync(at('www', 'samples', name)) });
