@@ -9,7 +9,8 @@ import { init, openDocument, simplifySequence, type Document, type LevelGeometry
 import { boxRegion, decodeProgressive, frustumRegion, isProgressive, readProgressive } from 'decimesh/progressive';
 import { ProgressiveLoader } from 'decimesh/progressive-three';
 import { createWorkerClient } from 'decimesh/worker';
-import { packChunks, crc32 } from '../dist/progressive/container.js';
+import { crc32 } from '../dist/checksum.js';
+import { packChunks } from '../dist/progressive/container.js';
 import { RangeDecoder, RangeEncoder, newModels } from '../dist/progressive/range_coder.js';
 import { FloatModel, IntegerModel, gridOf } from '../dist/progressive/numbers.js';
 import { testWithAsset } from './support/assets.ts';

@@ -2,6 +2,7 @@
 //
 // APPNOTE 6.3.10, PKWARE: end of central directory (4.3.16), central directory (4.3.12), local headers (4.3.7).
 
+import { crc32 } from '../checksum.js';
 import { DecimeshError } from '../errors.js';
 import type { LoadedFile } from '../files.js';
 import { yieldToEvents } from '../platform.js';
@@ -180,18 +181,4 @@ async function inflate(source: Uint8Array, size: number, where: string, signal: 
   }
   if (overflow || length !== size) throw new DecimeshError('syntax', 'the file has another size than the archive says', where);
   return bytes;
-}
-
-let table: Uint32Array | undefined;
-
-/** The checksum of zip files: CRC-32 of ISO 3309, reflected. */
-function crc32(bytes: Uint8Array): number {
-  table ??= Uint32Array.from({ length: 256 }, (_, byte) => {
-    let value = byte;
-    for (let bit = 0; bit < 8; bit += 1) value = (value & 1) !== 0 ? (value >>> 1) ^ 0xedb8_8320 : value >>> 1;
-    return value;
-  });
-  let crc = 0xffff_ffff;
-  for (const byte of bytes) crc = (table[(crc ^ byte) & 0xff] as number) ^ (crc >>> 8);
-  return (crc ^ 0xffff_ffff) >>> 0;
 }

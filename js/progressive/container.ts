@@ -1,5 +1,6 @@
 // The container of a progressive mesh: a signature, then chunks with a type, a length and a checksum.
 
+import { crc32 } from '../checksum.js';
 import { DecimeshError } from '../errors.js';
 
 /** The usual extension of the files, with its dot. */
@@ -25,19 +26,6 @@ export interface Chunk {
   readonly payload: Uint8Array;
   /** Where the file stands after it. */
   readonly end: number;
-}
-
-const TABLE = Uint32Array.from({ length: 256 }, (_, byte) => {
-  let value = byte;
-  for (let bit = 0; bit < 8; bit += 1) value = value & 1 ? 0xedb88320 ^ (value >>> 1) : value >>> 1;
-  return value >>> 0;
-});
-
-/** The checksum CRC-32 of ISO 3309. */
-export function crc32(bytes: Uint8Array): number {
-  let crc = 0xffffffff;
-  for (let at = 0; at < bytes.length; at += 1) crc = (TABLE[(crc ^ (bytes[at] as number)) & 0xff] as number) ^ (crc >>> 8);
-  return (crc ^ 0xffffffff) >>> 0;
 }
 
 /** Whether these are the first bytes of a progressive mesh. */
