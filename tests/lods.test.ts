@@ -6,7 +6,7 @@ import { beforeAll, describe, expect, it } from 'vitest';
 import { init, openDocument, simplifySequence, type Report } from 'decimesh';
 import { createWorkerClient } from 'decimesh/worker';
 import { testWithAsset } from './support/assets.ts';
-import { glb, gltfOf } from './support/glb.ts';
+import { glb, glbTree, gltfOf } from './support/glb.ts';
 import { hills } from './support/meshes.ts';
 import { decimesh, temporaryDirectory } from './support/program.ts';
 import { thrown } from './support/thrown.ts';
@@ -34,10 +34,7 @@ interface Tree {
   extensionsUsed?: string[];
 }
 
-const treeOf = (bytes: Uint8Array): Tree => {
-  const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(12, true);
-  return JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length))) as Tree;
-};
+const treeOf = (bytes: Uint8Array): Tree => glbTree(bytes) as unknown as Tree;
 
 const trianglesOf = (tree: Tree, mesh: number): number =>
   (tree.meshes[mesh]?.primitives ?? []).reduce((sum, { indices }) => sum + (tree.accessors[indices]?.count ?? 0) / 3, 0);
