@@ -47,8 +47,8 @@ export const PRESETS: readonly Preset[] = ['fast', 'balanced', 'best'];
 
 const TARGETS = ['ratio', 'triangles', 'error'];
 
-/** Names of the options of a simplification. */
-const SIMPLIFY_NAMES: readonly string[] = [
+/** Names of {@link SimplifyOptions}. */
+export const SIMPLIFY_NAMES: readonly string[] = [
   ...TARGETS, 'lockBorder', 'prune', 'attributeWeights', 'placement', 'preset', 'timeBudget', 'mergeDistance', 'memoryLimit',
 ];
 

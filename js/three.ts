@@ -4,6 +4,7 @@ import { BufferAttribute, BufferGeometry, InstancedBufferAttribute, LOD, Mesh, S
 import type { InterleavedBufferAttribute, TypedArray } from 'three';
 import { invalidArgument } from './errors.js';
 import { checkNames } from './check.js';
+import { SIMPLIFY_NAMES } from './options.js';
 import { errorOfPixels } from './screen.js';
 import { simplify, simplifySequence } from './simplify.js';
 import type { AttributeArray, MeshInput, ScreenView, SimplifiedMesh, SimplifyOptions } from './types.js';
@@ -26,6 +27,10 @@ export function simplifyGeometry(geometry: BufferGeometry, options: SimplifyOpti
   const input = new GeometryInput(geometry);
   return input.output(simplify(input.mesh, options));
 }
+
+/** What `levels` say, and what makes no difference where every level counts. */
+const NOT_OF_A_SEQUENCE: readonly string[] = ['ratio', 'triangles', 'error', 'preset'];
+const SEQUENCE_NAMES = SIMPLIFY_NAMES.filter((name) => !NOT_OF_A_SEQUENCE.includes(name));
 
 /** How to make a `LOD`. */
 export interface CreateLODOptions extends Omit<SimplifyOptions, 'ratio' | 'triangles' | 'error' | 'preset'> {
@@ -51,7 +56,7 @@ export interface CreateLODOptions extends Omit<SimplifyOptions, 'ratio' | 'trian
  */
 export function createLOD(mesh: Mesh, options: CreateLODOptions = {}): LOD {
   const { levels = 5, pixels = 1, fieldOfView, viewportHeight, hysteresis = 0, ...simplifyOptions } = options;
-  checkNames(simplifyOptions, ['lockBorder', 'prune', 'placement', 'timeBudget']);
+  checkNames(simplifyOptions, SEQUENCE_NAMES);
   if (!(mesh instanceof Mesh)) throw invalidArgument('mesh', 'must be a Mesh');
   if (!(pixels > 0)) throw invalidArgument('pixels', 'must be a number above 0');
   if (!(hysteresis >= 0 && hysteresis <= 1)) throw invalidArgument('hysteresis', 'must be a number from 0 to 1');

@@ -267,8 +267,8 @@ export interface MeasureOptions {
 /** How to write. */
 export interface WriteOptions {
   /**
-   * Default: the format that was read, `'glb'` for glTF. `'gltf'` is text with files beside it, in `Written.files`. PLY and STL are written in binary. What the format cannot hold
-   * is left out, with one warning in the report.
+   * Default: the format that was read, `'glb'` for glTF. `'gltf'` is text with files beside it, in `Written.files`. PLY and
+   * STL are written in binary. What the format cannot hold is left out, with one warning in the report.
    */
   readonly format?: OutputFormat | undefined;
   /**
@@ -295,7 +295,7 @@ export interface WriteOptions {
    */
   readonly size?: number | undefined;
   /**
-   * A chain of at least two recorded levels in one GLB, by MSFT_lod, the finest first. A number is a `ratio`. Vertices
+   * A chain of 2 to 32 recorded levels in one GLB, by MSFT_lod, the finest first. A number is a `ratio`. Vertices
    * that a level has in common with the first, as all are where `placement` is `'subset'`, are stored once.
    */
   readonly lods?: ReadonlyArray<number | LevelTargets> | undefined;
