@@ -535,7 +535,8 @@ describe('the view', () => {
       await ready();
       await slider().focus();
       await page.keyboard.press('Home');
-      await ready();
+      await status(/^Ready\. Showing/);
+      expect(await shownTriangles()).toBe(await wanted());
     }
   });
 
