@@ -67,7 +67,7 @@ pub(super) fn losses(
     note(count("cameras") > 0, "cameras");
     (!lost.is_empty()).then(|| Warning {
         code: "not-carried",
-        message: format!("{} cannot hold what the file has: {}", target.as_str().to_uppercase(), lost.join(", ")),
+        message: format!("{} cannot hold what the file has: {}", target.as_str().to_ascii_uppercase(), lost.join(", ")),
         place: String::new(),
     })
 }

@@ -396,7 +396,7 @@ impl Products {
 
 impl Hats {
     /// Those outside the mask have no area.
-    #[inline(always)]
+    #[inline(never)]
     fn of(next: Lanes3, previous: Lanes3, counts: Mask) -> Self {
         let n = next.cross(previous);
         let squared = n.dot(n);
@@ -421,7 +421,7 @@ impl Hats {
     }
 
     /// Σ area · g gᵀ over all components: g is a times the one plus b times the other.
-    #[inline(always)]
+    #[inline(never)]
     fn outer(&self, &Products { aa, ab, bb }: &Products) -> QuadricLanes {
         let p = self.weighted_next.scale(aa) + self.weighted_previous.scale(ab);
         let q = self.weighted_next.scale(ab) + self.weighted_previous.scale(bb);

@@ -171,6 +171,7 @@ impl AttributeField {
     }
 
     /// What no linear function of its wedges can follow when the vertex moves.
+    #[inline(never)]
     fn stiffness(&self, v: u32) -> Quadric {
         let only = self.only_record[v as usize];
         let block = self.block(if only == NONE { v } else { only });
@@ -183,6 +184,7 @@ impl AttributeField {
     }
 
     /// Σ G Gᵀ / A: what a linear function can follow.
+    #[inline(never)]
     pub(super) fn followed(&self, record: u32) -> Quadric {
         let block = self.block(record);
         let area = block[1].lane::<2>();
