@@ -1,9 +1,9 @@
-// `npm run bench`: quality, speed, memory, history, looks, poses and loaders, side by side with other simplifiers.
+// `npm run bench`: quality, speed, attributes, memory, history, looks, poses and loaders, side by side with other simplifiers.
 //
 //     npm run bench                              everything; ten minutes on two cores, more with MeshLab's first run
 //     npm run bench -- --quick                   a small share of each, a minute or two
-//     npm run bench -- quality speed             only these; known: quality speed memory history levels looks poses
-//                                              loaders
+//     npm run bench -- quality speed             only these; known: quality speed attributes memory history
+//                                              levels looks poses loaders
 //     npm run bench -- --json FILE               also writes all figures there
 //
 // Deviations come from an independent meter if there is one: MESHDIST names it, or it stands in ../shared/tools.
@@ -11,6 +11,7 @@
 // the user's cache directory, by the hash of the model, the peer's version and the target.
 import { writeFileSync } from 'node:fs';
 import { cpus } from 'node:os';
+import { attributes } from './attributes.mjs';
 import { history } from './history.mjs';
 import { levels } from './levels.mjs';
 import { loaders } from './loaders.mjs';
@@ -23,7 +24,7 @@ import { peerVersion, presets, ready } from './support/engines.mjs';
 import { available } from './support/models.mjs';
 import { printGoals } from './support/report.mjs';
 
-const BENCHES = { quality, speed, memory, history, levels, looks, poses, loaders };
+const BENCHES = { quality, speed, attributes, memory, history, levels, looks, poses, loaders };
 
 function parse(words) {
   const options = { quick: false, json: undefined, names: [] };

@@ -38,6 +38,14 @@ export function peerSimplify({ positions, indices }, target, flags = []) {
   return { positions, indices: MeshoptSimplifier.simplify(indices, positions, 3, target * 3, NO_ERROR_LIMIT, flags)[0] };
 }
 
+/** meshoptimizer `simplifyWithAttributes`, with `numbers` of five a vertex: vertices stay where they were. */
+export function peerWithAttributes({ positions, indices }, numbers, target) {
+  const weights = [0.5, 0.5, 0.5, 1, 1];
+  const [kept] = MeshoptSimplifier.simplifyWithAttributes(
+    indices, positions, 3, numbers, weights.length, weights, null, target * 3, NO_ERROR_LIMIT);
+  return { positions, indices: kept };
+}
+
 /** meshoptimizer `simplifyWithUpdate`: vertices move; positions only, so no attributes. */
 export function peerUpdate({ positions, indices }, target) {
   const moved = positions.slice();
