@@ -139,6 +139,7 @@ describe('undo', () => {
 describe('what is typed', () => {
   it('is a number with a point or a comma', () => {
     expect(['0.5', '0,5', '1 234,5', '1,234.5', '12', '.5', '5.'].map(readNumber)).toEqual([0.5, 0.5, 1234.5, 1234.5, 12, 0.5, 5]);
+    expect(['1.234.567', '1,234,567', '1.234.567,5'].map(readNumber)).toEqual([1234567, 1234567, 1234567.5]);
     expect(['', 'x', '1e5', '-1', '1.2x'].map(readNumber)).toEqual([null, null, null, null, null]);
   });
 

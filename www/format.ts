@@ -48,9 +48,12 @@ const threeDigits = (value: number): string =>
 /** A number as people type it, with a point or a comma before its fraction; null for what is none. */
 export const readNumber = (text: string): number | null => {
   const plain = text.replace(/[\s\u00a0\u202f'’_]/g, '');
+  const separators = plain.match(/[.,]/g) ?? [];
+  // Of several different separators the last stands before a fraction; several of one kind set off thousands.
+  const thousands = separators.length > 1 && separators.every((separator) => separator === separators[0]);
   const parts = plain.split(/[.,]/);
-  // Of several separators only the last may stand before a fraction.
-  const joined = parts.length > 2 ? `${parts.slice(0, -1).join('')}.${parts.at(-1)}` : plain.replace(',', '.');
+  const fraction = separators.length > 0 && !thousands ? `.${parts.pop() ?? ''}` : '';
+  const joined = parts.join('') + fraction;
   return /^\d*\.?\d+$|^\d+\.$/.test(joined) ? Number(joined) : null;
 };
 
