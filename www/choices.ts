@@ -21,6 +21,8 @@ export interface RunSettings {
   readonly weights: Readonly<Record<WeightName, number>>;
   /** Numbers of the meshes that stay as they are, ascending. */
   readonly kept: readonly number[];
+  /** The number of the state of what is painted on this model (`paint/history.ts`); 0: nothing is. */
+  readonly paint: number;
 }
 
 /** What decides the number of triangles: the slider, or a limit that it is set by. */
@@ -48,6 +50,7 @@ export const DEFAULT_RUN: RunSettings = {
   prune: false,
   weights: { normal: 1, uv: 1, color: 1, morph: 1 },
   kept: [],
+  paint: 0,
 };
 
 export const DEFAULT_CHOICES: Choices = {
@@ -66,7 +69,7 @@ export const USUAL_LODS: readonly number[] = [1, 0.5, 0.25, 0.1];
 const MOST_LODS = 32;
 
 /** The same text for the same settings. */
-export const runKey = (run: RunSettings): string => JSON.stringify([run.lockBorder, run.prune, WEIGHTS.map((name) => run.weights[name]), run.kept]);
+export const runKey = (run: RunSettings): string => JSON.stringify([run.lockBorder, run.prune, WEIGHTS.map((name) => run.weights[name]), run.kept, run.paint]);
 
 /** Whether a chain of levels would be saved. */
 export const isChain = ({ lods, outputFormat }: Pick<Choices, 'lods' | 'outputFormat'>): boolean => lods.length > 1 && outputFormat === 'glb';

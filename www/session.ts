@@ -1,7 +1,7 @@
 // The conversation with the worker: opens files, records the history, and keeps what is shown in step with what is
 // wanted. Only the latest wish counts: one request is under way, and what was asked for meanwhile is read when it ends.
 import { DecimeshError } from 'decimesh/worker';
-import type { DocumentProxy, Report, WorkerClient } from 'decimesh/worker';
+import type { DocumentProxy, DocumentSummary, Report, WorkerClient } from 'decimesh/worker';
 import { isChain, runKey } from './choices.ts';
 import type { Goal } from './choices.ts';
 import { describeError } from './describe_error.ts';
@@ -73,6 +73,8 @@ export class Session {
   private wake: (() => void) | null = null;
   /** Downloads that wait for the file itself: its size is not enough for them, and pausing would keep them. */
   private filesWanted = 0;
+  /** What is painted on each vertex of the document on screen, by the number of its state; null: nothing. */
+  painted: (state: number) => Uint8Array | null = () => null;
   /** Told after every step. */
   private readonly waiting = new Set<() => void>();
 
@@ -88,6 +90,11 @@ export class Session {
     const model = modelFile(files);
     if (model === undefined) return;
     await this.runTask('opening', model.name, (signal) => this.replaceDocument(files, { fileName: model.name, credit: '', origin: null }, signal));
+  }
+
+  /** What the document on screen consists of, null without one. */
+  get summary(): DocumentSummary | null {
+    return this.current?.document.summary ?? null;
   }
 
   /** Frees the model; nothing is on screen afterwards. */
@@ -284,7 +291,7 @@ export class Session {
     update((state) => transitions.recordingProgressed(state, 0));
     try {
       await open.document.simplify({
-        ...simplifyOptions(run, open.document.summary),
+        ...simplifyOptions(run, open.document.summary, this.painted(run.paint)),
         signal: recording.signal,
         onProgress: (fraction) => update((state) => transitions.recordingProgressed(state, fraction)),
       });
@@ -445,7 +452,8 @@ export class Session {
     this.store.update((state) => transitions.fittingStarted(transitions.levelStale(state)));
     try {
       const onProgress = (fraction: number): void => this.store.update((state) => transitions.fittingProgressed(state, fraction));
-      const options = simplifyOptions(this.store.value.run, open.document.summary);
+      const { run } = this.store.value;
+      const options = simplifyOptions(run, open.document.summary, this.painted(run.paint));
       let level = await open.document.simplify({ ...options, triangles: wanted, preset: quality, keepLevels: true, signal, onProgress });
       // Near the fewest there are, the history may go further than this run.
       if (level.triangles > wanted) level = await open.document.level({ triangles: wanted });

@@ -9,6 +9,8 @@ import { isOutputFormat } from './formats.ts';
 import type { OutputFormat, Quality } from './formats.ts';
 import type { Language } from './messages/messages.ts';
 import type { Deviation, Level, Model, Notice, Output, Source, Step, Task } from './model.ts';
+import { viewForPainting } from './paint/mode.ts';
+import type { PaintMode } from './paint/mode.ts';
 import { NO_CONTENTS } from './preview/no-contents.ts';
 import type { EdgeCounts, Insets, ViewContents, ViewSettings } from './preview/protocol.ts';
 import { STILL_LIFE } from './preview/settings.ts';
@@ -36,6 +38,8 @@ export interface State extends Choices {
   readonly batch: BatchState | null;
   readonly language: Language;
   readonly view: View;
+  /** The brush in hand; null while a drag turns the model. */
+  readonly paint: PaintMode | null;
   /** What the model has to be looked at. */
   readonly contents: ViewContents;
   /** Of what is drawn, while the classes of edges are drawn. */
@@ -72,6 +76,7 @@ export const initialState: State = {
   batch: null,
   language: 'en',
   view: { ...STILL_LIFE, playing: true, theme: 'system' },
+  paint: null,
   contents: NO_CONTENTS,
   edgeCounts: null,
   reducedMotion: false,
@@ -106,8 +111,9 @@ export const modelOpened = (
   opened: Pick<Model, 'name' | 'credit' | 'source' | 'warnings' | 'animations'> & Partial<Pick<Model, 'fileName' | 'origin' | 'parts' | 'scene'>>,
 ): State => ({
   ...state,
-  ...withWishes({ ...choicesOf(state), goal: DEFAULT_CHOICES.goal, run: { ...state.run, kept: [] }, ...usualFor(opened.source) }, state.wish),
+  ...withWishes({ ...choicesOf(state), goal: DEFAULT_CHOICES.goal, run: { ...state.run, kept: [], paint: DEFAULT_RUN.paint }, ...usualFor(opened.source) }, state.wish),
   wish: {},
+  paint: null,
   batch: null,
   task: null,
   notice: null,
@@ -146,6 +152,8 @@ export const choicesOf = ({ goal, run, lods, outputFormat, encoding, quality }: 
 export const modelClosed = (state: State, batch: BatchState | null): State => ({
   ...state,
   model: null,
+  paint: null,
+  run: { ...state.run, paint: DEFAULT_RUN.paint },
   batch,
   task: null,
   notice: null,
@@ -329,6 +337,12 @@ export const batchChanged = (state: State, change: (batch: BatchState) => BatchS
 export const languageChanged = (state: State, language: Language): State => ({ ...state, language });
 
 export const viewChanged = (state: State, change: Partial<View>): State => ({ ...state, view: { ...state.view, ...change } });
+
+/** Takes up the brush, sets it, or puts it down with null. */
+export const paintChanged = (state: State, paint: PaintMode | null): State => (state.model === null ? state : { ...state, paint });
+
+/** How the model is drawn. */
+export const shownView = ({ view, paint }: State): View => (paint === null ? view : viewForPainting(view));
 
 /** Another model is on its way to the screen: what it lacks is not shown any longer. */
 export const contentsChanged = (state: State, contents: ViewContents): State => ({

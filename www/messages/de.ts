@@ -74,6 +74,24 @@ export const de: Messages = {
   'app.updateNow': 'Jetzt laden',
   'app.updateLater': 'Später',
 
+  // --- paint
+  'paint.name': 'Mit dem Pinsel schützen',
+  'paint.view': 'Original zum Bemalen. Pfeiltasten bewegen den Pinsel, die Leertaste malt, Umschalt und Pfeiltasten drehen das Modell, Esc legt den Pinsel weg.',
+  'paint.way': 'Der Pinsel',
+  'paint.paint': 'Malen',
+  'paint.erase': 'Radieren',
+  'paint.size': 'Größe',
+  'paint.pixels': { one: '{count} Pixel', other: '{count} Pixel' },
+  'paint.strength': 'Stärke',
+  'paint.keep': '100 %, bleibt, wie es ist',
+  'paint.clear': 'Leeren',
+  'paint.done': 'Fertig',
+  'paint.hint': 'Bemaltes geht zuletzt, auch auf verdeckten Seiten.',
+  'paint.hintKeep': 'Bemaltes bleibt, wie es ist, auch auf verdeckten Seiten.',
+  'paint.turn': 'Drehen: rechte Maustaste, Umschalt oder zwei Finger.',
+  'paint.none': 'Nichts ist bemalt.',
+  'paint.count': { one: '{count} Eckpunkt ist bemalt.', other: '{count} Eckpunkte sind bemalt.' },
+
   // --- panel
   'panel.name': 'Vereinfachung',
   'panel.undo': 'Rückgängig',
@@ -178,6 +196,7 @@ export const de: Messages = {
   'recipe.code': 'Als Code kopieren',
   'recipe.copied': 'Kopiert.',
   'recipe.kept': 'Behaltene Teile lassen sich nur im Code angeben.',
+  'recipe.painted': 'Was bemalt ist, weiß nur diese Seite.',
 
   // --- details
   'details.saved': 'Gespart',
@@ -213,7 +232,7 @@ export const de: Messages = {
   'advice.seam': 'Weniger, größere UV-Inseln oder ein gemeinsames Material lassen mehr zu.',
   'advice.border': 'Die offenen Kanten im 3D-Programm verschweißen oder „Offene Ränder festhalten“ abwählen.',
   'advice.nonManifold': 'Innere oder doppelte Flächen im 3D-Programm entfernen.',
-  'advice.locked': 'Mehr Teile des Modells ankreuzen.',
+  'advice.locked': 'Mehr Teile des Modells ankreuzen oder Bemaltes wegradieren.',
   'advice.topology': '„Winzige Teile verschwinden lassen“ erlaubt mehr.',
   'advice.flip': 'Die Form selbst ist am Ende: weniger würde man sehen.',
   'advice.error': 'Einen größeren Fehler zulassen.',
@@ -270,6 +289,8 @@ export const de: Messages = {
   'help.ends': 'Wenigste, alle',
   'help.turn': 'Modell drehen, in der Ansicht',
   'help.zoom': 'Zoomen',
+  'help.paint': 'Malen und den Pinsel bewegen, beim Malen',
+  'help.brush': 'Größe, Stärke, Radieren, beim Malen',
   'help.cancel': 'Abbrechen, schließen',
   'help.options': 'Optionen',
   'help.details': 'Einzelheiten',

@@ -72,6 +72,24 @@ export const en = {
   'app.updateNow': 'Load it now',
   'app.updateLater': 'Later',
 
+  // --- paint
+  'paint.name': 'Protect by painting',
+  'paint.view': 'Original to paint on. Arrow keys move the brush, Space paints, Shift and arrow keys turn the model, Esc puts the brush down.',
+  'paint.way': 'The brush',
+  'paint.paint': 'Paint',
+  'paint.erase': 'Erase',
+  'paint.size': 'Size',
+  'paint.pixels': { one: '{count} pixel', other: '{count} pixels' },
+  'paint.strength': 'Strength',
+  'paint.keep': '100 %, stays as it is',
+  'paint.clear': 'Clear',
+  'paint.done': 'Done',
+  'paint.hint': 'What is painted goes last, hidden sides too.',
+  'paint.hintKeep': 'What is painted stays as it is, hidden sides too.',
+  'paint.turn': 'Turn with the right button, Shift or two fingers.',
+  'paint.none': 'Nothing is painted.',
+  'paint.count': { one: '{count} vertex is painted.', other: '{count} vertices are painted.' },
+
   // --- panel
   'panel.name': 'Simplification',
   'panel.undo': 'Undo',
@@ -176,6 +194,7 @@ export const en = {
   'recipe.code': 'Copy as code',
   'recipe.copied': 'Copied.',
   'recipe.kept': 'Parts that are kept can be said in code only.',
+  'recipe.painted': 'What is painted is known on this page only.',
 
   // --- details
   'details.saved': 'Saved',
@@ -211,7 +230,7 @@ export const en = {
   'advice.seam': 'Fewer, larger UV islands or one shared material let it go further.',
   'advice.border': 'Weld the open edges in your 3D program, or take off “Lock open borders”.',
   'advice.nonManifold': 'Take inner or doubled faces out in your 3D program.',
-  'advice.locked': 'Tick more parts of the model.',
+  'advice.locked': 'Tick more parts of the model, or erase paint.',
   'advice.topology': '“Let tiny parts vanish” allows more.',
   'advice.flip': 'The shape itself is at its end: fewer would show.',
   'advice.error': 'Allow a larger error.',
@@ -268,6 +287,8 @@ export const en = {
   'help.ends': 'Fewest, all',
   'help.turn': 'Turn the model, on the view',
   'help.zoom': 'Zoom',
+  'help.paint': 'Paint and move the brush, while painting',
+  'help.brush': 'Size, strength, erase, while painting',
   'help.cancel': 'Cancel, close, dismiss',
   'help.options': 'Options',
   'help.details': 'Details',

@@ -74,6 +74,24 @@ export const es: Messages = {
   'app.updateNow': 'Cargarla ahora',
   'app.updateLater': 'Más tarde',
 
+  // --- paint
+  'paint.name': 'Proteger con el pincel',
+  'paint.view': 'Original para pintar. Las flechas mueven el pincel, Espacio pinta, Mayús y las flechas giran el modelo, Esc deja el pincel.',
+  'paint.way': 'El pincel',
+  'paint.paint': 'Pintar',
+  'paint.erase': 'Borrar',
+  'paint.size': 'Tamaño',
+  'paint.pixels': { one: '{count} píxel', other: '{count} píxeles' },
+  'paint.strength': 'Fuerza',
+  'paint.keep': '100 %, queda como está',
+  'paint.clear': 'Vaciar',
+  'paint.done': 'Listo',
+  'paint.hint': 'Lo pintado se quita lo último, también en los lados ocultos.',
+  'paint.hintKeep': 'Lo pintado queda como está, también en los lados ocultos.',
+  'paint.turn': 'Girar: botón derecho, Mayús o dos dedos.',
+  'paint.none': 'No hay nada pintado.',
+  'paint.count': { one: '{count} vértice pintado.', other: '{count} vértices pintados.' },
+
   // --- panel
   'panel.name': 'Simplificación',
   'panel.undo': 'Deshacer',
@@ -178,6 +196,7 @@ export const es: Messages = {
   'recipe.code': 'Copiar como código',
   'recipe.copied': 'Copiado.',
   'recipe.kept': 'Las partes conservadas solo se pueden indicar en el código.',
+  'recipe.painted': 'Lo pintado solo lo conoce esta página.',
 
   // --- details
   'details.saved': 'Ahorro',
@@ -213,7 +232,7 @@ export const es: Messages = {
   'advice.seam': 'Menos islas UV y más grandes, o un material común, permiten ir más allá.',
   'advice.border': 'Suelda los bordes abiertos en tu programa 3D o desactiva «Fijar los bordes abiertos».',
   'advice.nonManifold': 'Quita las caras interiores o dobles en tu programa 3D.',
-  'advice.locked': 'Marca más partes del modelo.',
+  'advice.locked': 'Marca más partes del modelo o borra lo pintado.',
   'advice.topology': '«Dejar desaparecer piezas diminutas» permite más.',
   'advice.flip': 'La forma ha llegado a su límite: con menos se notaría.',
   'advice.error': 'Permite un error mayor.',
@@ -270,6 +289,8 @@ export const es: Messages = {
   'help.ends': 'Mínimo, todos',
   'help.turn': 'Girar el modelo, en la vista',
   'help.zoom': 'Zoom',
+  'help.paint': 'Pintar y mover el pincel, al pintar',
+  'help.brush': 'Tamaño, fuerza, borrar, al pintar',
   'help.cancel': 'Cancelar, cerrar',
   'help.options': 'Opciones',
   'help.details': 'Detalles',

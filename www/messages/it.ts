@@ -74,6 +74,24 @@ export const it: Messages = {
   'app.updateNow': 'Caricala ora',
   'app.updateLater': 'Più tardi',
 
+  // --- paint
+  'paint.name': 'Proteggi con il pennello',
+  'paint.view': 'Originale da dipingere. Le frecce muovono il pennello, Spazio dipinge, Maiusc e frecce girano il modello, Esc posa il pennello.',
+  'paint.way': 'Il pennello',
+  'paint.paint': 'Dipingi',
+  'paint.erase': 'Cancella',
+  'paint.size': 'Dimensione',
+  'paint.pixels': { one: '{count} pixel', other: '{count} pixel' },
+  'paint.strength': 'Forza',
+  'paint.keep': '100 %, resta com’è',
+  'paint.clear': 'Svuota',
+  'paint.done': 'Fatto',
+  'paint.hint': 'Ciò che è dipinto sparisce per ultimo, anche sui lati nascosti.',
+  'paint.hintKeep': 'Ciò che è dipinto resta com’è, anche sui lati nascosti.',
+  'paint.turn': 'Girare: tasto destro, Maiusc o due dita.',
+  'paint.none': 'Nulla è dipinto.',
+  'paint.count': { one: '{count} vertice dipinto.', other: '{count} vertici dipinti.' },
+
   // --- panel
   'panel.name': 'Semplificazione',
   'panel.undo': 'Annulla',
@@ -178,6 +196,7 @@ export const it: Messages = {
   'recipe.code': 'Copia come codice',
   'recipe.copied': 'Copiato.',
   'recipe.kept': 'Le parti mantenute si possono indicare solo nel codice.',
+  'recipe.painted': 'Ciò che è dipinto lo sa solo questa pagina.',
 
   // --- details
   'details.saved': 'Risparmio',
@@ -213,7 +232,7 @@ export const it: Messages = {
   'advice.seam': 'Isole UV meno numerose e più grandi, o un materiale comune, permettono di più.',
   'advice.border': 'Salda i bordi aperti nel programma 3D o togli «Blocca i bordi aperti».',
   'advice.nonManifold': 'Togli le facce interne o doppie nel programma 3D.',
-  'advice.locked': 'Seleziona più parti del modello.',
+  'advice.locked': 'Seleziona più parti del modello o cancella ciò che è dipinto.',
   'advice.topology': '«Lascia sparire le parti minuscole» permette di più.',
   'advice.flip': 'La forma è al limite: con meno si vedrebbe.',
   'advice.error': 'Consenti un errore maggiore.',
@@ -270,6 +289,8 @@ export const it: Messages = {
   'help.ends': 'Minimo, tutti',
   'help.turn': 'Ruota il modello, nella vista',
   'help.zoom': 'Zoom',
+  'help.paint': 'Dipingere e muovere il pennello, dipingendo',
+  'help.brush': 'Dimensione, forza, cancellare, dipingendo',
   'help.cancel': 'Interrompi, chiudi',
   'help.options': 'Opzioni',
   'help.details': 'Dettagli',

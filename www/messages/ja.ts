@@ -74,6 +74,24 @@ export const ja: Messages = {
   'app.updateNow': '今すぐ読み込む',
   'app.updateLater': '後で',
 
+  // --- paint
+  'paint.name': '塗って保護',
+  'paint.view': '塗るための元のモデル。矢印キーでブラシを動かし、スペースで塗り、Shift と矢印キーでモデルを回し、Esc でブラシを置きます。',
+  'paint.way': 'ブラシ',
+  'paint.paint': '塗る',
+  'paint.erase': '消す',
+  'paint.size': '大きさ',
+  'paint.pixels': { other: '{count} ピクセル' },
+  'paint.strength': '強さ',
+  'paint.keep': '100 %、そのまま残す',
+  'paint.clear': '消去',
+  'paint.done': '完了',
+  'paint.hint': '塗った部分は最後に減ります。隠れた側も同じです。',
+  'paint.hintKeep': '塗った部分はそのまま残ります。隠れた側も同じです。',
+  'paint.turn': '回転は右ボタン、Shift、または2本指で。',
+  'paint.none': '何も塗られていません。',
+  'paint.count': { other: '{count} 個の頂点が塗られています。' },
+
   // --- panel
   'panel.name': '簡略化',
   'panel.undo': '元に戻す',
@@ -178,6 +196,7 @@ export const ja: Messages = {
   'recipe.code': 'コードをコピー',
   'recipe.copied': 'コピーしました。',
   'recipe.kept': '維持するパーツはコードでのみ指定できます。',
+  'recipe.painted': '塗った内容はこのページだけが知っています。',
 
   // --- details
   'details.saved': '削減',
@@ -213,7 +232,7 @@ export const ja: Messages = {
   'advice.seam': 'UV アイランドを減らして大きくするか、マテリアルを共通にするとさらに減らせます。',
   'advice.border': '3D ソフトで開いた辺を溶接するか、「開いた境界を固定する」を外してください。',
   'advice.nonManifold': '3D ソフトで内部の面や重複した面を取り除いてください。',
-  'advice.locked': 'モデルの構成でチェックを増やしてください。',
+  'advice.locked': 'モデルの構成でチェックを増やすか、塗った部分を消してください。',
   'advice.topology': '「ごく小さな部分を消す」を選ぶとさらに減らせます。',
   'advice.flip': '形としての限界です。これ以上は見た目に表れます。',
   'advice.error': '誤差の上限を大きくしてください。',
@@ -270,6 +289,8 @@ export const ja: Messages = {
   'help.ends': '最少、すべて',
   'help.turn': 'ビュー上でモデルを回転',
   'help.zoom': '拡大縮小',
+  'help.paint': '塗る、ブラシを動かす(塗っている間)',
+  'help.brush': '大きさ、強さ、消す(塗っている間)',
   'help.cancel': 'キャンセル、閉じる',
   'help.options': 'オプション',
   'help.details': '詳細',

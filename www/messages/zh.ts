@@ -74,6 +74,24 @@ export const zh: Messages = {
   'app.updateNow': '立即加载',
   'app.updateLater': '稍后',
 
+  // --- paint
+  'paint.name': '涂抹保护',
+  'paint.view': '可涂抹的原模型。方向键移动画笔,空格键涂抹,Shift 加方向键转动模型,Esc 放下画笔。',
+  'paint.way': '画笔',
+  'paint.paint': '涂抹',
+  'paint.erase': '擦除',
+  'paint.size': '大小',
+  'paint.pixels': { other: '{count} 像素' },
+  'paint.strength': '强度',
+  'paint.keep': '100 %,保持原样',
+  'paint.clear': '清除',
+  'paint.done': '完成',
+  'paint.hint': '涂抹处最后才减少,看不见的一面也一样。',
+  'paint.hintKeep': '涂抹处保持原样,看不见的一面也一样。',
+  'paint.turn': '转动:右键、Shift 或两指。',
+  'paint.none': '尚未涂抹。',
+  'paint.count': { other: '已涂抹 {count} 个顶点。' },
+
   // --- panel
   'panel.name': '简化',
   'panel.undo': '撤销',
@@ -178,6 +196,7 @@ export const zh: Messages = {
   'recipe.code': '复制为代码',
   'recipe.copied': '已复制。',
   'recipe.kept': '保留的部分只能在代码中指定。',
+  'recipe.painted': '涂抹内容只有本页知道。',
 
   // --- details
   'details.saved': '节省',
@@ -213,7 +232,7 @@ export const zh: Messages = {
   'advice.seam': '更少更大的 UV 岛或共用材质可进一步简化。',
   'advice.border': '在 3D 软件中焊接开放边，或取消“锁定开放边界”。',
   'advice.nonManifold': '在 3D 软件中移除内部或重复的面。',
-  'advice.locked': '勾选模型的更多部分。',
+  'advice.locked': '勾选模型的更多部分,或擦除涂抹。',
   'advice.topology': '“允许微小部分消失”可进一步简化。',
   'advice.flip': '形状已到极限：再少就会看得出来。',
   'advice.error': '允许更大的误差。',
@@ -270,6 +289,8 @@ export const zh: Messages = {
   'help.ends': '最少、全部',
   'help.turn': '在视图上旋转模型',
   'help.zoom': '缩放',
+  'help.paint': '涂抹并移动画笔(涂抹时)',
+  'help.brush': '大小、强度、擦除(涂抹时)',
   'help.cancel': '取消、关闭',
   'help.options': '选项',
   'help.details': '详情',

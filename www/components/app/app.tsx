@@ -43,6 +43,8 @@ export interface Actions extends OptionsActions, BatchActions {
   undo(): void;
   redo(): void;
   fit(): void;
+  /** Takes up the brush, or puts it down. */
+  paint(): void;
   changeView(change: Partial<View>): void;
   loadUpdate(): void;
   declineUpdate(): void;
@@ -112,7 +114,7 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
   return (
     <main class="workspace">
       <Compare
-        layout={state.view.layout}
+        layout={state.paint === null ? state.view.layout : 'single'}
         split={state.view.split}
         comparing={state.view.comparing}
         insets={state.insets}
@@ -132,7 +134,9 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
         animations={model.animations}
         canUndo={model.undo.length > 0}
         canRedo={model.redo.length > 0}
+        painting={state.paint !== null}
         onFit={actions.fit}
+        onPaint={actions.paint}
         onView={actions.changeView}
         onMorph={actions.changeMorph}
         onUndo={actions.undo}
