@@ -25,6 +25,7 @@ const changed: Choices = {
   outputFormat: 'ply',
   encoding: 'draco',
   quality: 'best',
+  preparation: { tidy: true, textureSize: 512, textureFormat: 'jpeg', textureQuality: 55 },
 };
 
 describe('the address', () => {

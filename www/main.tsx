@@ -93,6 +93,7 @@ const actions: Actions = {
   chooseGoal: (goal) => update((now) => transitions.goalChosen(now, goal)),
   changeRun: (change) => update((now) => transitions.runChanged(now, change)),
   chooseMeshes: (kept) => update((now) => transitions.runChanged(now, { kept })),
+  changePreparation: (change) => update((now) => transitions.preparationChanged(now, change)),
   chooseLods: (lods) => update((now) => transitions.lodsChosen(now, lods)),
   resetChoices: () => update(transitions.choicesReset),
   remark: (text) => update((now) => transitions.remarked(now, text)),
@@ -130,7 +131,7 @@ effect(() => {
   });
 });
 watch((now) => JSON.stringify([now.model?.wantedTriangles, transitions.choicesOf(now)]), () => session.wishChanged());
-watch((now) => JSON.stringify([now.quality, now.run]), () => rememberChoices(transitions.choicesOf(state.peek())));
+watch((now) => JSON.stringify([now.quality, now.run, now.preparation]), () => rememberChoices(transitions.choicesOf(state.peek())));
 watch((now) => JSON.stringify([now.model?.wantedTriangles, now.model?.origin, transitions.choicesOf(now)]), keepAddressLater);
 watch((now) => `${now.sheet} ${now.paint !== null}`, () => requestAnimationFrame(() => view.setInsets(insetsOf(host))));
 watch(transitions.heatMapWish, (wish) => {

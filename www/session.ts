@@ -13,6 +13,7 @@ import type { Quality } from './formats.ts';
 import { t } from './messages/messages.ts';
 import { heatLimit } from './preview/heat.ts';
 import type { View } from './preview/view.ts';
+import { NO_PREPARATION, preparationKey, prepareOptions } from './preparation.ts';
 import { fetchModel } from './remote.ts';
 import { readScene } from './scene.ts';
 import * as transitions from './state.ts';
@@ -252,7 +253,9 @@ export class Session {
           animations: prepared.animations,
         }),
       );
-      this.tellSize(byteLength, report, { format: 'glb', encoding: 'none', wantedTriangles: summary.triangles, lods: [] });
+      this.tellSize(byteLength, report, {
+        format: 'glb', encoding: 'none', preparation: preparationKey('glb', NO_PREPARATION), wantedTriangles: summary.triangles, lods: [],
+      });
       // The panel first: with few cores, drawing and simplifying would keep the page from laying it out.
       await afterNextPaint();
       if (this.current !== open) return prepared.discard();
@@ -387,13 +390,16 @@ export class Session {
       if (this.filesWanted === 0 && ((await this.pause()) || this.current !== open)) return true;
       await this.selectLevel(open, model);
       const chain = isChain(now) && model.history.kind === 'ready';
-      const { bytes, report } = await open.document.write({ ...writeOptions(outputFormat, encoding), ...(chain ? { lods } : {}) });
+      const prepared = prepareOptions(outputFormat, now.preparation);
+      const { bytes, report } = await open.document.write({ ...writeOptions(outputFormat, encoding), ...prepared, ...(chain ? { lods } : {}) });
       if (this.current !== open) return true;
       // A change that came meanwhile asks for something else.
       if (open.recorded !== null && open.recorded !== runKey(this.store.value.run)) return true;
       const loss = report.warnings.find((warning) => warning.code === 'not-carried');
       open.written = { key, bytes, loss: loss === undefined ? '' : ` ${loss.message}.` };
-      this.tellSize(bytes.byteLength, report, { format: outputFormat, encoding, wantedTriangles: wanted, lods: isChain(now) ? lods : [] });
+      this.tellSize(bytes.byteLength, report, {
+        format: outputFormat, encoding, preparation: preparationKey(outputFormat, now.preparation), wantedTriangles: wanted, lods: isChain(now) ? lods : [],
+      });
       return true;
     } catch (error) {
       if (this.current !== open) return true;
@@ -429,7 +435,9 @@ export class Session {
 
   private async findGoal(open: OpenDocument, now: State, goal: Exclude<Goal, { kind: 'triangles' }>): Promise<number> {
     if (goal.kind === 'error') return (await open.document.level({ error: `${goal.percent}%` })).triangles;
-    const { report } = await open.document.write({ ...writeOptions(now.outputFormat, encodingFor(now.outputFormat, now.encoding)), size: goal.bytes });
+    const { outputFormat: format } = now;
+    const file = { ...writeOptions(format, encodingFor(format, now.encoding)), ...prepareOptions(format, now.preparation) };
+    const { report } = await open.document.write({ ...file, size: goal.bytes });
     return report.output.triangles;
   }
 
@@ -473,7 +481,7 @@ export class Session {
     }
   }
 
-  private tellSize(bytes: number, report: Report, wish: Pick<transitions.Output, 'format' | 'encoding' | 'wantedTriangles' | 'lods'>): void {
+  private tellSize(bytes: number, report: Report, wish: Pick<transitions.Output, 'format' | 'encoding' | 'preparation' | 'wantedTriangles' | 'lods'>): void {
     this.store.update((state) => transitions.outputMeasured(state, { ...wish, bytes, parts: report.output.parts, levels: report.lods ?? [] }));
   }
 

@@ -9,6 +9,8 @@ import { isOutputFormat } from './formats.ts';
 import type { OutputFormat, Quality } from './formats.ts';
 import type { Language } from './messages/messages.ts';
 import type { Deviation, Level, Model, Notice, Output, Source, Step, Task } from './model.ts';
+import { NO_PREPARATION, preparationKey } from './preparation.ts';
+import type { Preparation } from './preparation.ts';
 import { viewForPainting } from './paint/mode.ts';
 import type { PaintMode } from './paint/mode.ts';
 import { NO_CONTENTS } from './preview/no-contents.ts';
@@ -146,7 +148,8 @@ export const usualFor = (source: Source): Pick<Choices, 'outputFormat' | 'encodi
 });
 
 /** The choices in `state` by themselves. */
-export const choicesOf = ({ goal, run, lods, outputFormat, encoding, quality }: State): Choices => ({ goal, run, lods, outputFormat, encoding, quality });
+export const choicesOf = ({ goal, run, lods, outputFormat, encoding, quality, preparation }: State): Choices =>
+  ({ goal, run, lods, outputFormat, encoding, quality, preparation });
 
 /** Back to the start page, or to `batch`. */
 export const modelClosed = (state: State, batch: BatchState | null): State => ({
@@ -225,6 +228,7 @@ export const isOutputCurrent = (state: State): boolean => {
     output.wantedTriangles === state.model?.wantedTriangles &&
     output.format === state.outputFormat &&
     output.encoding === encodingFor(state.outputFormat, state.encoding) &&
+    output.preparation === preparationKey(state.outputFormat, state.preparation) &&
     output.lods.join() === (isChain(state) ? state.lods.join() : '')
   );
 };
@@ -319,11 +323,14 @@ export const goalChosen = (state: State, goal: Goal): State => chosen(state, { g
 
 export const runChanged = (state: State, change: Partial<RunSettings>): State => chosen(state, { run: { ...state.run, ...change } });
 
+export const preparationChanged = (state: State, change: Partial<Preparation>): State =>
+  chosen(state, { preparation: { ...state.preparation, ...change } });
+
 export const lodsChosen = (state: State, lods: readonly number[]): State => chosen(state, { lods });
 
 /** Everything but the slider and the format as it is without touching anything. */
 export const choicesReset = (state: State): State =>
-  chosen(state, { goal: DEFAULT_CHOICES.goal, run: DEFAULT_RUN, lods: [], quality: DEFAULT_CHOICES.quality });
+  chosen(state, { goal: DEFAULT_CHOICES.goal, run: DEFAULT_RUN, lods: [], quality: DEFAULT_CHOICES.quality, preparation: NO_PREPARATION });
 
 /** Shows `sheet`, or puts the one away that is shown. */
 export const sheetToggled = (state: State, sheet: Sheet | null): State => ({ ...state, sheet: state.sheet === sheet ? null : sheet });

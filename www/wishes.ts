@@ -5,6 +5,7 @@ import type { Choices, RunSettings } from './choices.ts';
 import { encodingFor } from './encoding.ts';
 import { LOCKING, weightOfPaint } from './paint/mode.ts';
 import type { Quality } from './formats.ts';
+import { preparationKey } from './preparation.ts';
 import type { Model, State } from './state.ts';
 
 /** What a file depends on. */
@@ -13,14 +14,17 @@ export const wishKey = (state: State, model: Model, fit: Quality): string =>
     model.wantedTriangles,
     state.outputFormat,
     encodingFor(state.outputFormat, state.encoding),
+    preparationKey(state.outputFormat, state.preparation),
     fit,
     isChain(state) ? state.lods.join() : '',
     runKey(state.run),
   ].join(' ');
 
 /** What the count that a goal stands for depends on. */
-export const goalKey = ({ goal, run, outputFormat, encoding }: Choices): string =>
-  [JSON.stringify(goal), runKey(run), goal.kind === 'size' ? outputFormat + encodingFor(outputFormat, encoding) : ''].join(' ');
+export const goalKey = ({ goal, run, outputFormat, encoding, preparation }: Choices): string => {
+  const file = goal.kind === 'size' ? outputFormat + encodingFor(outputFormat, encoding) + preparationKey(outputFormat, preparation) : '';
+  return [JSON.stringify(goal), runKey(run), file].join(' ');
+};
 
 /** The quality as it counts: of a chain, and within a size, the levels are those of the record. */
 export const fitFor = (state: State): Quality => (isChain(state) || state.goal.kind === 'size' ? 'fast' : state.quality);
