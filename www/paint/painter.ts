@@ -6,7 +6,7 @@ import type { LoadedModel } from '../preview/load.ts';
 import { trianglesOf } from '../preview/side.ts';
 import { changeBetween } from './history.ts';
 import { PaintLayer } from './layer.ts';
-import type { Brush, PaintReply, PaintRequest } from './protocol.ts';
+import type { Brush, PaintChange, PaintReply, PaintRequest } from './protocol.ts';
 import { PaintSurface } from './surface.ts';
 import type { Point } from './surface.ts';
 
@@ -54,6 +54,7 @@ export class Painter {
   ) {
     this.epoch = request.epoch;
     this.layer = new PaintLayer(model, request.parts, request.painted);
+    this.tell(null);
     this.draw();
   }
 
@@ -76,6 +77,7 @@ export class Painter {
         this.epoch = request.epoch;
         this.stroke = null;
         painted.set(request.painted);
+        this.tell(null);
     }
     this.layer.update();
     this.draw();
@@ -94,7 +96,13 @@ export class Painter {
     if (this.stroke === null) return;
     const change = changeBetween(this.stroke.before, this.layer.painted);
     this.stroke = null;
-    this.reply({ type: 'stroke', epoch: this.epoch, change });
+    this.tell(change);
+  }
+
+  private tell(change: PaintChange | null): void {
+    let count = 0;
+    for (const paint of this.layer.painted) if (paint > 0) count += 1;
+    this.reply({ type: 'painted', epoch: this.epoch, change, count });
   }
 
   /** Along the line from where the brush was: a fast hand leaves no gaps. */

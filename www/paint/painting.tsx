@@ -54,19 +54,20 @@ export class Painting {
     if (this.canvasOf?.source !== model.source) {
       this.canvasOf = { source: model.source, summary, history: new PaintHistory(summary.wedgeSets.reduce((sum, { vertices }) => sum + vertices, 0)) };
     }
-    this.store.update((now) => transitions.paintChanged(now, { ...this.brush, count: this.count() }));
+    this.store.update((now) => transitions.paintChanged(now, this.brush));
     this.canvas.focus({ preventScroll: true });
   }
 
-  /** The view tells of a stroke. */
-  received({ epoch, change }: PaintReply): void {
+  /** The view tells what is painted, and what a stroke has changed. */
+  received({ epoch, change, count }: PaintReply): void {
     const { model, run } = this.store.value;
     // What was undone meanwhile is not what was painted on.
-    if (model === null || this.canvasOf === null || change === null || epoch !== this.epoch) return;
+    if (model === null || this.canvasOf === null || epoch !== this.epoch) return;
+    this.set({ count });
+    if (change === null) return;
     this.shown = this.canvasOf.history.add(run.paint, change);
     const paint = this.shown;
     this.store.update((now) => transitions.runChanged(now, { paint }));
-    this.tellCount();
   }
 
   private follow(now: State): void {
@@ -113,20 +114,6 @@ export class Painting {
     this.epoch += 1;
     this.shown = number;
     this.view.paint({ type: 'set', painted: this.canvasOf.history.at(number).slice(), epoch: this.epoch });
-    this.tellCount();
-  }
-
-  private tellCount(): void {
-    const count = this.count();
-    // Not within the effect that found out.
-    queueMicrotask(() => this.set({ count }));
-  }
-
-  private count(): number {
-    const painted = this.canvasOf?.history.at(this.store.value.run.paint) ?? [];
-    let count = 0;
-    for (const paint of painted) if (paint > 0) count += 1;
-    return count;
   }
 
   private readonly set = (change: Partial<PaintMode>): void =>

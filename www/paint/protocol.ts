@@ -34,13 +34,13 @@ export interface PaintChange {
 
 /** From the page to the view. */
 export type PaintRequest =
-  /** Shows what is painted on the original from now on. `epoch` is repeated in the answers to what follows. */
+  /** Shows what is painted on the original from now on. Answered; `epoch` is repeated in this and later answers. */
   | { readonly type: 'start'; readonly parts: readonly PaintedPart[]; readonly painted: Uint8Array<ArrayBuffer>; readonly epoch: number }
-  /** Puts this in the place of what is painted, and drops a stroke that is under way. */
+  /** Puts this in the place of what is painted, and drops a stroke that is under way. Answered. */
   | { readonly type: 'set'; readonly painted: Uint8Array<ArrayBuffer>; readonly epoch: number }
   /** Moves the brush over the picture in a line from where it was in this stroke; the first one begins the stroke. */
   | { readonly type: 'dab'; readonly brush: Brush }
-  /** Ends the stroke. Answered by `stroke`. */
+  /** Ends the stroke. Answered. */
   | { readonly type: 'end' }
   /** Takes the stroke back. */
   | { readonly type: 'cancel' }
@@ -48,8 +48,10 @@ export type PaintRequest =
 
 /** From the view to the page. */
 export interface PaintReply {
-  readonly type: 'stroke';
+  readonly type: 'painted';
   readonly epoch: number;
-  /** Null when nothing was changed. */
+  /** What a stroke has changed; null when it has changed nothing, and after `start` and `set`. */
   readonly change: PaintChange | null;
+  /** Vertices that have paint on them. */
+  readonly count: number;
 }
