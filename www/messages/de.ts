@@ -7,6 +7,7 @@ export const de: Messages = {
   'start.title': 'Weniger Dreiecke, gleiches Aussehen',
   'start.drop': 'Ein 3D-Modell irgendwo auf diese Seite ziehen oder',
   'start.choose': 'Modell auswählen',
+  'start.folder': 'Ordner auswählen',
   'start.formats': 'GLB, OBJ, PLY, STL, OFF, SMF oder glTF mit seinen Dateien; auch als Ordner oder ZIP.',
   'start.private': 'Nichts verlässt Ihr Gerät.',
   'start.samples': 'oder eines davon ausprobieren',

@@ -5,6 +5,7 @@ export const en = {
   'start.title': 'Fewer triangles, same look',
   'start.drop': 'Drop a 3D model anywhere on this page, or',
   'start.choose': 'Choose a model',
+  'start.folder': 'Choose a folder',
   'start.formats': 'GLB, OBJ, PLY, STL, OFF, SMF, or glTF with its files; also as a folder or ZIP.',
   'start.private': 'Nothing leaves your device.',
   'start.samples': 'or try one of these',

@@ -7,6 +7,7 @@ export const es: Messages = {
   'start.title': 'Menos triángulos, el mismo aspecto',
   'start.drop': 'Suelta un modelo 3D en cualquier lugar de esta página, o',
   'start.choose': 'Elegir un modelo',
+  'start.folder': 'Elegir una carpeta',
   'start.formats': 'GLB, OBJ, PLY, STL, OFF, SMF o glTF con sus archivos; también como carpeta o ZIP.',
   'start.private': 'Nada sale de tu dispositivo.',
   'start.samples': 'o prueba uno de estos',

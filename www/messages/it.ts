@@ -7,6 +7,7 @@ export const it: Messages = {
   'start.title': 'Meno triangoli, stesso aspetto',
   'start.drop': 'Trascina un modello 3D in un punto qualsiasi della pagina, oppure',
   'start.choose': 'Scegli un modello',
+  'start.folder': 'Scegli una cartella',
   'start.formats': 'GLB, OBJ, PLY, STL, OFF, SMF o glTF con i suoi file; anche come cartella o ZIP.',
   'start.private': 'Nulla lascia il tuo dispositivo.',
   'start.samples': 'o prova uno di questi',

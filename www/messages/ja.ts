@@ -7,6 +7,7 @@ export const ja: Messages = {
   'start.title': '見た目はそのまま、三角形は少なく',
   'start.drop': '3D モデルをこのページのどこにでもドロップするか、',
   'start.choose': 'モデルを選ぶ',
+  'start.folder': 'フォルダを選ぶ',
   'start.formats': 'GLB、OBJ、PLY、STL、OFF、SMF、または関連ファイル付きの glTF。フォルダーや ZIP でも開けます。',
   'start.private': 'データが端末の外に出ることはありません。',
   'start.samples': 'サンプルで試す',

@@ -7,6 +7,7 @@ export const zh: Messages = {
   'start.title': '更少的三角形，同样的外观',
   'start.drop': '将 3D 模型拖放到本页任意位置，或',
   'start.choose': '选择模型',
+  'start.folder': '选择文件夹',
   'start.formats': 'GLB、OBJ、PLY、STL、OFF、SMF，或带附属文件的 glTF；也可以是文件夹或 ZIP。',
   'start.private': '任何数据都不会离开您的设备。',
   'start.samples': '或试试这些示例',

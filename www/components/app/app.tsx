@@ -72,6 +72,7 @@ export function App({ state, actions }: { readonly state: State; readonly action
         {model !== null && <p class="model-name" title={model.credit || undefined}>{model.name}</p>}
         <div class="top-actions">
           {model !== null && <FileChooser id="file" label={t('start.open')} onFiles={actions.openFiles} />}
+          {model !== null && <FileChooser id="folder" label={t('start.folder')} folder iconOnly onFiles={actions.openFiles} />}
           <LanguageChoice language={state.language} onLanguage={actions.chooseLanguage} />
           <button type="button" class="quiet icon-button" aria-label={t('panel.help')} title={`${t('panel.help')} (?)`} onClick={() => actions.toggleHelp(true)}>
             <Icon name="help" />
