@@ -62,13 +62,7 @@ async function unreachable(): Promise<string[]> {
 const STATES: ReadonlyArray<readonly [name: string, reach: () => Promise<void>]> = [
   ['the start page', async () => {}],
   ['the start page with a file over it', async () => {
-    const transfer = await page.evaluateHandle(() => {
-      const data = new DataTransfer();
-      data.items.add(new File(['x'], 'a.glb'));
-      return data;
-    });
-    await page.dispatchEvent('body', 'dragenter', { dataTransfer: transfer });
-    await page.locator('.drop-hint').waitFor();
+    await dragOver();
   }],
   ['an error', async () => {
     await dropFiles(page, [{ name: 'bad.glb', bytes: Buffer.from('no model') }]);
@@ -103,12 +97,46 @@ const STATES: ReadonlyArray<readonly [name: string, reach: () => Promise<void>]>
     await page.getByRole('checkbox', { name: /^Save a chain/ }).check();
     await page.locator('.figures').waitFor();
   }],
+  ['a model and its original with a handle between', async () => {
+    await openModel();
+    await page.keyboard.press('s');
+    await page.getByRole('separator').waitFor();
+    await page.keyboard.press('e');
+    await page.getByRole('button', { name: 'View options', exact: true }).click();
+    await page.getByRole('group', { name: 'View options' }).waitFor();
+  }],
+  ['a model and its original side by side', async () => {
+    await openModel();
+    await page.getByRole('button', { name: 'View options', exact: true }).click();
+    await page.getByRole('radio', { name: 'Side by side' }).check();
+    await page.getByRole('radio', { name: 'Distance from the original' }).check();
+    await page.getByRole('region', { name: 'Legend' }).waitFor();
+  }],
+  ['a model while another is dragged over it', async () => {
+    await openModel();
+    await dragOver();
+  }],
+  ['a model with an error', async () => {
+    await openModel();
+    await dropFiles(page, [{ name: 'bad.glb', bytes: Buffer.from('no model') }]);
+    await page.getByRole('alert').waitFor();
+  }],
   ['a model with its details', async () => {
     await openModel();
     await page.keyboard.press('i');
     await page.getByRole('dialog').waitFor();
   }],
 ];
+
+async function dragOver(): Promise<void> {
+  const transfer = await page.evaluateHandle(() => {
+    const data = new DataTransfer();
+    data.items.add(new File(['x'], 'a.glb'));
+    return data;
+  });
+  await page.dispatchEvent('body', 'dragenter', { dataTransfer: transfer });
+  await page.locator('.drop-hint').waitFor();
+}
 
 async function openModel(): Promise<void> {
   await dropFiles(page, [helmet]);

@@ -276,15 +276,33 @@ describe('the brush', () => {
 });
 
 describe('for everyone', () => {
+  const violations = async (): Promise<string[]> => {
+    await page.evaluate(AXE);
+    const { violations: found } = await page.evaluate(() => (globalThis as unknown as { axe: { run(): Promise<AxeResults> } }).axe.run());
+    return found.flatMap(({ id, nodes }) => nodes.map(({ html }) => `${id}: ${html.slice(0, 160)}`));
+  };
+
   it.each([['light', 1280], ['dark', 360]] as const)('has nothing that axe-core objects to while painting, %s at %i pixels', async (colorScheme, width) => {
     await openPage(nefertiti, { colorScheme, viewport: { width, height: 800 } });
     await tool().click();
     await drag([width * 0.48, 300], [width * 0.52, 310]);
     await expect.poll(painted, LONG).toBeGreaterThan(50);
-    await page.evaluate(AXE);
-    const { violations } = await page.evaluate(() => (globalThis as unknown as { axe: { run(): Promise<AxeResults> } }).axe.run());
-    expect(violations.flatMap(({ id, nodes }) => nodes.map(({ html }) => `${id}: ${html.slice(0, 160)}`))).toEqual([]);
+    expect(await violations()).toEqual([]);
     expect(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)).toBe(false);
+    await page.keyboard.press('o');
+    await page.locator('summary', { hasText: 'File and textures' }).click();
+    expect(await violations()).toEqual([]);
+    await page.keyboard.press('o');
+    await page.getByRole('button', { name: 'View options', exact: true }).click();
+    expect(await violations()).toEqual([]);
+    // The popover first, then the brush.
+    await page.getByRole('radio', { name: 'As in the file' }).focus();
+    await page.keyboard.press('Escape');
+    await bar().waitFor();
+    await page.keyboard.press('Escape');
+    await bar().waitFor({ state: 'detached' });
+    await page.keyboard.press('s');
+    expect(await violations()).toEqual([]);
   });
 
   it.each(['de', 'es', 'it', 'ja', 'zh'])('fits the brush’s controls on a phone in %s', async (locale) => {
