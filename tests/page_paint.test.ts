@@ -137,7 +137,7 @@ describe('the brush', () => {
     expect((await stablePicture()).equals(withPaint)).toBe(true);
   });
 
-  it('keeps what is painted with full strength, in the file too', async () => {
+  it('keeps what is painted with full strength', async () => {
     await openPage(nefertiti);
     const fewest = async (): Promise<number> => {
       await slider().focus();

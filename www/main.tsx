@@ -191,7 +191,8 @@ function nameCanvas(painting: boolean): void {
 async function togglePainting(): Promise<void> {
   const { paint, model } = state.peek();
   if (paint !== null) return update((now) => transitions.paintChanged(now, null));
-  if (model === null || view.isUnavailable || canvas === null) return;
+  if (model === null || canvas === null) return;
+  if (view.isUnavailable) return update((now) => transitions.remarked(now, t('view.unavailable')));
   try {
     const { Painting } = await import('./paint/painting.tsx');
     painting ??= new Painting(state, store, session, view, canvas);
