@@ -1,54 +1,33 @@
 // Protection by painting, as people do it: by pointer, by keyboard and by finger; what it does to the result, undone too.
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import type { AxeResults } from 'axe-core';
-import type { BrowserContextOptions, Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, it } from 'vitest';
+import type { Page } from 'playwright-core';
+import { beforeAll, describe, expect, it } from 'vitest';
 import { openDocument } from 'decimesh';
-import { at } from '../scripts/project.mjs';
-import { dropFiles, startPage } from './support/browser.mjs';
+import { violationsOf } from './support/axe.ts';
+import { dropFiles } from './support/browser.mjs';
+import { LONG, sample, usePages, type PageOptions } from './support/pages.ts';
 
-const LONG = { timeout: 50_000 };
-const fan = { name: 'desk-fan.glb', bytes: readFileSync(at('www', 'samples', 'desk-fan.glb')) };
-const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-
+const fan = sample('desk-fan.glb');
 /** Of so few triangles that pictures and runs are quick. */
 let nefertiti: { name: string; bytes: Uint8Array };
-let served: Awaited<ReturnType<typeof startPage>>;
+
+const pages = usePages({ viewport: { width: 1100, height: 760 }, serviceWorkers: 'block' });
+const { status } = pages;
 let page: Page;
-let problems: string[];
 
 beforeAll(async () => {
-  using document = await openDocument(new Uint8Array(readFileSync(at('www', 'samples', 'nefertiti.glb'))));
+  using document = await openDocument(new Uint8Array(sample('nefertiti.glb').bytes));
   await document.simplify({ triangles: 14_000 });
   nefertiti = { name: 'nefertiti.glb', bytes: (await document.write({ format: 'glb' })).bytes };
-  served = await startPage();
-});
-afterAll(() => served?.close());
-beforeEach(() => {
-  problems = [];
-});
-afterEach(async () => {
-  await page.context().close();
-  expect(problems).toEqual([]);
 });
 
-async function openPage(model: { name: string; bytes: Uint8Array }, options: BrowserContextOptions = {}): Promise<void> {
-  const context = await served.browser.newContext({ viewport: { width: 1100, height: 760 }, reducedMotion: 'reduce', serviceWorkers: 'block', ...options });
-  page = await context.newPage();
-  page.setDefaultTimeout(LONG.timeout);
-  page.on('console', (message) => {
-    if (message.type() === 'error') problems.push(message.text());
-  });
-  page.on('pageerror', (error) => problems.push(String(error)));
-  await page.goto(served.url);
+async function openPage(model: { name: string; bytes: Uint8Array }, options: PageOptions = {}): Promise<void> {
+  page = await pages.open(options);
   await dropFiles(page, [model]);
   // In any language: the levels are there.
   await page.locator('.lod-marks button').first().waitFor();
   if (options.locale === undefined) await status(/^Ready/);
 }
 
-const status = (text: RegExp) => page.locator('p[role=status]').filter({ hasText: text }).waitFor({ ...LONG, state: 'attached' });
 const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true });
 const bar = () => page.getByRole('region', { name: 'Protect by painting' });
 const tool = () => page.getByRole('button', { name: 'Protect by painting' });
@@ -276,25 +255,19 @@ describe('the brush', () => {
 });
 
 describe('for everyone', () => {
-  const violations = async (): Promise<string[]> => {
-    await page.evaluate(AXE);
-    const { violations: found } = await page.evaluate(() => (globalThis as unknown as { axe: { run(): Promise<AxeResults> } }).axe.run());
-    return found.flatMap(({ id, nodes }) => nodes.map(({ html }) => `${id}: ${html.slice(0, 160)}`));
-  };
-
   it.each([['light', 1280], ['dark', 360]] as const)('has nothing that axe-core objects to while painting, %s at %i pixels', async (colorScheme, width) => {
     await openPage(nefertiti, { colorScheme, viewport: { width, height: 800 } });
     await tool().click();
     await drag([width * 0.48, 300], [width * 0.52, 310]);
     await expect.poll(painted, LONG).toBeGreaterThan(50);
-    expect(await violations()).toEqual([]);
+    expect(await violationsOf(page)).toEqual([]);
     expect(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)).toBe(false);
     await page.keyboard.press('o');
     await page.locator('summary', { hasText: 'File and textures' }).click();
-    expect(await violations()).toEqual([]);
+    expect(await violationsOf(page)).toEqual([]);
     await page.keyboard.press('o');
     await page.getByRole('button', { name: 'View options', exact: true }).click();
-    expect(await violations()).toEqual([]);
+    expect(await violationsOf(page)).toEqual([]);
     // The popover first, then the brush.
     await page.getByRole('radio', { name: 'As in the file' }).focus();
     await page.keyboard.press('Escape');
@@ -302,7 +275,7 @@ describe('for everyone', () => {
     await page.keyboard.press('Escape');
     await bar().waitFor({ state: 'detached' });
     await page.keyboard.press('s');
-    expect(await violations()).toEqual([]);
+    expect(await violationsOf(page)).toEqual([]);
   });
 
   it.each(['de', 'es', 'it', 'ja', 'zh'])('fits the brush’s controls on a phone in %s', async (locale) => {

@@ -303,7 +303,7 @@ describe('the file and its textures', () => {
   });
 
   it('are kept for the next visit, refused where the format has none, and taken from an address', async () => {
-    await openPage({}, '?texture-size=300&texture-format=jpeg&texture-quality=abc&prepare=0');
+    await openPage({ path: '?texture-size=300&texture-format=jpeg&texture-quality=abc&prepare=0' });
     await dropFiles(page, [helmet]);
     await ready();
     await page.keyboard.press('o');
@@ -314,7 +314,7 @@ describe('the file and its textures', () => {
     await page.getByRole('combobox', { name: 'File format' }).selectOption('ply');
     expect(await field('At most').isDisabled()).toBe(true);
     await options().getByText('Only GLB can have it').waitFor();
-    await page.goto(served.url);
+    await page.goto(pages.url);
     await dropFiles(page, [fan]);
     await ready();
     await page.keyboard.press('o');

@@ -59,10 +59,11 @@ const NAMES = ['prepare', 'texture-size', 'texture-format', 'texture-quality'] a
 /** Writes into `query` what is asked for, and takes out what is not. */
 export function writePreparation(query: URLSearchParams, { tidy, textureSize, textureFormat, textureQuality }: Preparation): void {
   const values = [tidy ? 1 : null, textureSize, textureFormat, textureQuality];
+  // All of them anew, so that the same choices are the same text.
+  for (const name of NAMES) query.delete(name);
   NAMES.forEach((name, index) => {
     const value = values[index] ?? null;
-    if (value === null) query.delete(name);
-    else query.set(name, String(value));
+    if (value !== null) query.set(name, String(value));
   });
 }
 
