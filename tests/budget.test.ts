@@ -15,6 +15,8 @@ it('counts every file whose name it does not know as part of the app', () => {
   expect(partOf('assets/decimesh_simd-A1.wasm')).toBe('app');
   expect(partOf('assets/decimesh_scalar-A1.wasm')).toBe('instead');
   expect(partOf('assets/draco_decoder-A1.wasm')).toBe('on demand');
+  expect(partOf('assets/painter-A1.js')).toBe('on demand');
+  expect(partOf('assets/painting-A1.css')).toBe('on demand');
   expect(partOf('assets/nefertiti-A1.glb')).toBe('samples');
   expect(partOf('assets/something-new-A1.js')).toBe('app');
 });

@@ -20,11 +20,12 @@ beforeAll(() => init());
 
 const changed: Choices = {
   goal: { kind: 'error', percent: 0.25 },
-  run: { lockBorder: true, prune: true, weights: { normal: 2, uv: 0, color: 1, morph: 1 }, kept: [0, 3] },
+  run: { lockBorder: true, prune: true, weights: { normal: 2, uv: 0, color: 1, morph: 1 }, kept: [0, 3], paint: 0 },
   lods: [1, 0.5, 0.125],
   outputFormat: 'ply',
   encoding: 'draco',
   quality: 'best',
+  preparation: { tidy: true, textureSize: 512, textureFormat: 'jpeg', textureQuality: 55 },
 };
 
 describe('the address', () => {

@@ -175,6 +175,22 @@ describe('the main job', () => {
     expect((await download()).name).toBe('18_variants.glb');
   });
 
+  it('opens a chosen folder with the files that its model refers to, from the start and from the bar', async () => {
+    const folder = at('tests', 'fixtures', 'gltf', '18_variants');
+    await openPage();
+    const chooser = page.getByLabel('Choose a folder');
+    expect(await chooser.getAttribute('webkitdirectory')).not.toBeNull();
+    await chooser.setInputFiles(folder);
+    await ready();
+    expect(await wanted()).toBe(12);
+    await page.reload();
+    await page.getByLabel('Choose a model').setInputFiles(at('tests', 'fixtures', 'gltf', 'cubevc.glb'));
+    await ready();
+    await page.getByLabel('Choose a folder').setInputFiles(folder);
+    await expect.poll(wanted).toBe(12);
+    await ready();
+  });
+
   it('opens a chosen file and a sample', async () => {
     await openPage();
     await page.getByLabel('Choose a model').setInputFiles(at('tests', 'fixtures', 'gltf', 'cubevc.glb'));

@@ -1,27 +1,19 @@
 // For everyone: no violation that axe-core knows, every control by keyboard, pictures of every size and theme to look at.
-import { mkdirSync, readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import type { AxeResults } from 'axe-core';
+import { mkdirSync } from 'node:fs';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { at } from '../scripts/project.mjs';
+import { violationsOf } from './support/axe.ts';
 import { dropFiles } from './support/browser.mjs';
 import { hills, plyOf } from './support/meshes.ts';
 import { sample, usePages } from './support/pages.ts';
 
-const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const helmet = sample('flight-helmet.glb');
 const plates = [20, 24].map((size) => ({ name: `plate-${size}.ply`, bytes: plyOf(hills(size)) }));
 
 const pages = usePages({ picture: false });
 const { status } = pages;
 let page: Page;
-
-async function violations(): Promise<string[]> {
-  await page.evaluate(AXE);
-  const { violations: found } = await page.evaluate(() => (globalThis as unknown as { axe: { run(): Promise<AxeResults> } }).axe.run());
-  return found.flatMap(({ id, nodes }) => nodes.map(({ html, failureSummary }) => `${id}: ${html.slice(0, 160)} ${failureSummary?.slice(0, 200)}`));
-}
 
 /** Controls that Tab does not come to; of a group of radio buttons one is enough. */
 async function unreachable(): Promise<string[]> {
@@ -62,13 +54,7 @@ async function unreachable(): Promise<string[]> {
 const STATES: ReadonlyArray<readonly [name: string, reach: () => Promise<void>]> = [
   ['the start page', async () => {}],
   ['the start page with a file over it', async () => {
-    const transfer = await page.evaluateHandle(() => {
-      const data = new DataTransfer();
-      data.items.add(new File(['x'], 'a.glb'));
-      return data;
-    });
-    await page.dispatchEvent('body', 'dragenter', { dataTransfer: transfer });
-    await page.locator('.drop-hint').waitFor();
+    await dragOver();
   }],
   ['an error', async () => {
     await dropFiles(page, [{ name: 'bad.glb', bytes: Buffer.from('no model') }]);
@@ -103,12 +89,46 @@ const STATES: ReadonlyArray<readonly [name: string, reach: () => Promise<void>]>
     await page.getByRole('checkbox', { name: /^Save a chain/ }).check();
     await page.locator('.figures').waitFor();
   }],
+  ['a model and its original with a handle between', async () => {
+    await openModel();
+    await page.keyboard.press('s');
+    await page.getByRole('separator').waitFor();
+    await page.keyboard.press('e');
+    await page.getByRole('button', { name: 'View options', exact: true }).click();
+    await page.getByRole('group', { name: 'View options' }).waitFor();
+  }],
+  ['a model and its original side by side', async () => {
+    await openModel();
+    await page.getByRole('button', { name: 'View options', exact: true }).click();
+    await page.getByRole('radio', { name: 'Side by side' }).check();
+    await page.getByRole('radio', { name: 'Distance from the original' }).check();
+    await page.getByRole('region', { name: 'Legend' }).waitFor();
+  }],
+  ['a model while another is dragged over it', async () => {
+    await openModel();
+    await dragOver();
+  }],
+  ['a model with an error', async () => {
+    await openModel();
+    await dropFiles(page, [{ name: 'bad.glb', bytes: Buffer.from('no model') }]);
+    await page.getByRole('alert').waitFor();
+  }],
   ['a model with its details', async () => {
     await openModel();
     await page.keyboard.press('i');
     await page.getByRole('dialog').waitFor();
   }],
 ];
+
+async function dragOver(): Promise<void> {
+  const transfer = await page.evaluateHandle(() => {
+    const data = new DataTransfer();
+    data.items.add(new File(['x'], 'a.glb'));
+    return data;
+  });
+  await page.dispatchEvent('body', 'dragenter', { dataTransfer: transfer });
+  await page.locator('.drop-hint').waitFor();
+}
 
 async function openModel(): Promise<void> {
   await dropFiles(page, [helmet]);
@@ -119,7 +139,7 @@ describe.each([['light', 1280], ['dark', 360]] as const)('%s at %i pixels', (col
   it.each(STATES)('%s has no violation, and Tab comes to every control', async (_, reach) => {
     page = await pages.open({ colorScheme, viewport: { width, height: 800 } });
     await reach();
-    expect(await violations()).toEqual([]);
+    expect(await violationsOf(page)).toEqual([]);
     expect(await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)).toBe(false);
     expect(await unreachable()).toEqual([]);
   });

@@ -259,3 +259,68 @@ describe('keys and languages', () => {
     expect(locale.startsWith((await page.locator('html').getAttribute('lang')) ?? '?')).toBe(true);
   });
 });
+
+describe('the file and its textures', () => {
+  const field = (name: string) => options().getByRole('group', { name: 'Textures' }).getByRole('combobox', { name });
+
+  it('are smaller by what is chosen: in the download, in the figures, in the address and as a command; undone too', async () => {
+    await openWithOptions(helmet);
+    await fold('File and textures');
+    await page.getByRole('button', { name: 'Keep 5 %' }).click();
+    await status(/^Ready\. Showing/);
+    const quality = options().getByRole('slider', { name: 'Quality' });
+    expect(await quality.isDisabled()).toBe(true);
+    await field('At most').selectOption('256');
+    await field('Format').selectOption('webp');
+    await options().getByRole('checkbox', { name: /^Tidy/ }).check();
+    await quality.fill('60');
+    await expect.poll(() => query().toString()).toContain('prepare=1&texture-size=256&texture-format=webp&texture-quality=60');
+    await fold('Command and code');
+    await options().getByText('--prepare dedup,prune,resample --texture-size 256 --texture-format webp --texture-quality 0.6').waitFor();
+    await page.getByRole('button', { name: 'Copy as code' }).click();
+    await options().getByText("textures: { maxSize: 256, format: 'webp', quality: 0.6 }").waitFor();
+
+    const { bytes } = await download();
+    expect(await gltfErrors(bytes)).toEqual([]);
+    expect(Buffer.from(bytes).includes('"image/webp"')).toBe(true);
+    expect(bytes.length).toBeLessThan(0.3 * helmet.bytes.length);
+    await page.keyboard.press('i');
+    // What the figures tell is the same file.
+    const parts = page.getByRole('table').filter({ hasText: 'Textures' });
+    const textures = async (): Promise<string[]> => parts.getByRole('row', { name: /^Textures/ }).getByRole('cell').allInnerTexts();
+    const kilobytes = (text: string | undefined): number => Number.parseFloat(text ?? '') * (/MB/.test(text ?? '') ? 1000 : 1);
+    await expect.poll(async () => kilobytes((await textures()).at(-1)), LONG).toBeLessThan(0.5 * kilobytes((await textures()).at(-2)));
+    await expect.poll(async () => (await textures()).at(-1), LONG).not.toBe('');
+
+    await page.keyboard.press('o');
+    await fold('File and textures');
+    await page.keyboard.press('Control+z');
+    expect(await quality.inputValue()).toBe('80');
+    for (let step = 0; step < 3; step += 1) await page.keyboard.press('Control+z');
+    expect(await field('At most').inputValue()).toBe('');
+    expect(await field('Format').inputValue()).toBe('');
+    await expect.poll(() => query().has('texture-size')).toBe(false);
+  });
+
+  it('are kept for the next visit, refused where the format has none, and taken from an address', async () => {
+    await openPage({ path: '?texture-size=300&texture-format=jpeg&texture-quality=abc&prepare=0' });
+    await dropFiles(page, [helmet]);
+    await ready();
+    await page.keyboard.press('o');
+    await fold('File and textures');
+    expect(await field('At most').inputValue()).toBe('300');
+    expect(await field('Format').inputValue()).toBe('jpeg');
+    expect(await options().getByRole('checkbox', { name: /^Tidy/ }).isChecked()).toBe(false);
+    await page.getByRole('combobox', { name: 'File format' }).selectOption('ply');
+    expect(await field('At most').isDisabled()).toBe(true);
+    await options().getByText('Only GLB can have it').waitFor();
+    await page.goto(pages.url);
+    await dropFiles(page, [fan]);
+    await ready();
+    await page.keyboard.press('o');
+    await fold('File and textures');
+    expect(await field('At most').inputValue()).toBe('300');
+    await page.getByRole('button', { name: 'Reset options' }).click();
+    expect(await field('At most').inputValue()).toBe('');
+  });
+});

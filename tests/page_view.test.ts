@@ -1,11 +1,10 @@
 // Seeing, as people do it: comparing, surfaces, lines, light, morph targets; and what happens to the canvas meanwhile.
 import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import type { AxeResults } from 'axe-core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { readFirstPrimitive, subdivide, writeGlb } from '../benches/support/subdivide.mjs';
 import { at } from '../scripts/project.mjs';
+import { violationsOf } from './support/axe.ts';
 import { dropFiles } from './support/browser.mjs';
 import { LONG, sample, usePages, type PageOptions } from './support/pages.ts';
 import { openViewWorker, viewWorkerOf } from './support/view_worker.mjs';
@@ -283,13 +282,6 @@ describe('light and motion', () => {
 });
 
 describe('for everyone', () => {
-  const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-  const violations = async (): Promise<string[]> => {
-    await page.evaluate(AXE);
-    const { violations: found } = await page.evaluate(() => (globalThis as unknown as { axe: { run(): Promise<AxeResults> } }).axe.run());
-    return found.flatMap(({ id, nodes }) => nodes.map(({ html }) => `${id}: ${html.slice(0, 160)}`));
-  };
-
   it.each(['light', 'dark'] as const)('has nothing that axe-core objects to while comparing, with every option open, in the %s', async (colorScheme) => {
     await openPage({ colorScheme });
     await openAt(morphing);
@@ -297,10 +289,10 @@ describe('for everyone', () => {
     await page.keyboard.press('e');
     await options().click();
     await page.getByRole('region', { name: 'Legend' }).waitFor();
-    expect(await violations()).toEqual([]);
+    expect(await violationsOf(page)).toEqual([]);
     await choice('Normals as colours').check();
     await choice('Side by side').check();
-    expect(await violations()).toEqual([]);
+    expect(await violationsOf(page)).toEqual([]);
   });
 
   it.each([360, 768, 1440])('covers nothing and scrolls nowhere sideways at %i pixels', async (width) => {

@@ -7,6 +7,7 @@ import { AnimationMixer, Mesh, Vector3, type SkinnedMesh } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { COMPRESSIONS, init, openDocument, type PrepareOptions, type WriteOptions, type Written } from 'decimesh';
+import { remembering } from '../dist/prepare/encoded.js';
 import { keysToKeep } from '../dist/prepare/resample.js';
 import { glb, glbTree, gltfOf } from './support/glb.ts';
 import { hills } from './support/meshes.ts';
@@ -82,6 +83,40 @@ async function pairs(change: (json: Record<string, unknown>) => void = () => {})
   change(whole);
   return glb({ json: whole, binary: bytes });
 }
+
+describe('images that were encoded before', () => {
+  const request = { type: 'image/png', maxSize: 4, format: 'webp', quality: 0.8 } as const;
+
+  it('are not encoded again, and are the caller’s own', async () => {
+    let runs = 0;
+    const codec = remembering((bytes) => {
+      runs += 1;
+      return Promise.resolve({ bytes: bytes.slice(1), format: 'webp' });
+    });
+    const image = Uint8Array.of(9, 1, 2, 3);
+    const first = await codec(image, request);
+    structuredClone(first.bytes, { transfer: [first.bytes.buffer as ArrayBuffer] });
+    expect((await codec(image, request)).bytes).toEqual(Uint8Array.of(1, 2, 3));
+    expect(runs).toBe(1);
+    await codec(image, { ...request, quality: 0.7 });
+    await codec(image, { ...request, maxSize: undefined });
+    await codec(Uint8Array.of(9, 1, 2, 4), request);
+    expect(runs).toBe(4);
+  });
+
+  it('make room for others', async () => {
+    let runs = 0;
+    const codec = remembering(() => {
+      runs += 1;
+      return Promise.resolve({ bytes: new Uint8Array(20 << 20), format: 'png' });
+    });
+    for (const image of [1, 2, 3, 4, 1]) await codec(Uint8Array.of(image), request);
+    expect(runs).toBe(5);
+    await codec(Uint8Array.of(1), request);
+    await codec(Uint8Array.of(4), request);
+    expect(runs).toBe(5);
+  });
+});
 
 describe('dedup', () => {
   it('lets equal things be one, and numbers nothing anew', async () => {

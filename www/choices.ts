@@ -4,6 +4,8 @@ import { isPreset } from 'decimesh/worker';
 import { isEncoding } from './encoding.ts';
 import type { Encoding } from './encoding.ts';
 import { isOutputFormat } from './formats.ts';
+import { NO_PREPARATION, readPreparation, writePreparation } from './preparation.ts';
+import type { Preparation } from './preparation.ts';
 import type { OutputFormat, Quality } from './formats.ts';
 
 /** What attributes can be weighed, by the package's names. */
@@ -21,6 +23,8 @@ export interface RunSettings {
   readonly weights: Readonly<Record<WeightName, number>>;
   /** Numbers of the meshes that stay as they are, ascending. */
   readonly kept: readonly number[];
+  /** The number of the state of what is painted on this model (`paint/history.ts`); 0: nothing is. */
+  readonly paint: number;
 }
 
 /** What decides the number of triangles: the slider, or a limit that it is set by. */
@@ -41,6 +45,7 @@ export interface Choices {
   /** How the geometry is stored where the format has a choice. */
   readonly encoding: Encoding;
   readonly quality: Quality;
+  readonly preparation: Preparation;
 }
 
 export const DEFAULT_RUN: RunSettings = {
@@ -48,6 +53,7 @@ export const DEFAULT_RUN: RunSettings = {
   prune: false,
   weights: { normal: 1, uv: 1, color: 1, morph: 1 },
   kept: [],
+  paint: 0,
 };
 
 export const DEFAULT_CHOICES: Choices = {
@@ -57,6 +63,7 @@ export const DEFAULT_CHOICES: Choices = {
   outputFormat: 'glb',
   encoding: 'none',
   quality: 'balanced',
+  preparation: NO_PREPARATION,
 };
 
 /** The chain that is offered first. */
@@ -66,7 +73,7 @@ export const USUAL_LODS: readonly number[] = [1, 0.5, 0.25, 0.1];
 const MOST_LODS = 32;
 
 /** The same text for the same settings. */
-export const runKey = (run: RunSettings): string => JSON.stringify([run.lockBorder, run.prune, WEIGHTS.map((name) => run.weights[name]), run.kept]);
+export const runKey = (run: RunSettings): string => JSON.stringify([run.lockBorder, run.prune, WEIGHTS.map((name) => run.weights[name]), run.kept, run.paint]);
 
 /** Whether a chain of levels would be saved. */
 export const isChain = ({ lods, outputFormat }: Pick<Choices, 'lods' | 'outputFormat'>): boolean => lods.length > 1 && outputFormat === 'glb';
@@ -93,6 +100,7 @@ export function readWish(query: URLSearchParams): Wish {
   const percent = numberIn(query.get('error'), 1e-6, 100);
   const bytes = numberIn(query.get('size'), 1, Number.MAX_SAFE_INTEGER);
   const [quality, format, encoding] = ['quality', 'format', 'compression'].map((name) => query.get(name) ?? '') as [string, string, string];
+  const preparation = readPreparation(query);
   const lods = readShares((query.get('lods') ?? '').replaceAll(',', ' '));
   const weights = Object.fromEntries(
     (query.get('weights') ?? '').split(',').flatMap((item) => {
@@ -110,6 +118,7 @@ export function readWish(query: URLSearchParams): Wish {
     ...(isOutputFormat(format) ? { outputFormat: format } : {}),
     ...(isEncoding(encoding) ? { encoding } : {}),
     ...(lods.length > 1 ? { lods } : {}),
+    ...(preparation === null ? {} : { preparation }),
     run: {
       ...(query.has('lock-border') ? { lockBorder: query.get('lock-border') !== '0' } : {}),
       ...(query.has('prune') ? { prune: query.get('prune') !== '0' } : {}),
@@ -127,7 +136,8 @@ const NAMES = ['triangles', 'error', 'size', 'quality', 'format', 'compression',
  */
 export function writeWish(query: URLSearchParams, choices: Choices, triangles: number | null, usual: Choices = DEFAULT_CHOICES): void {
   for (const name of NAMES) query.delete(name);
-  const { goal, run, lods, outputFormat, encoding, quality } = choices;
+  const { goal, run, lods, outputFormat, encoding, quality, preparation } = choices;
+  writePreparation(query, preparation);
   if (goal.kind === 'error') query.set('error', String(goal.percent));
   else if (goal.kind === 'size') query.set('size', String(goal.bytes));
   else if (triangles !== null) query.set('triangles', String(triangles));
@@ -151,10 +161,10 @@ export const weightList = ({ weights }: RunSettings, sign: string): string =>
 const KEY = 'decimesh.choices';
 
 /** Keeps on this device what is not about one model. */
-export function rememberChoices({ quality, run }: Choices): void {
+export function rememberChoices({ quality, run, preparation }: Choices): void {
   try {
     const query = new URLSearchParams();
-    writeWish(query, { ...DEFAULT_CHOICES, quality, run: { ...run, kept: [] } }, null);
+    writeWish(query, { ...DEFAULT_CHOICES, quality, preparation, run: { ...run, kept: [] } }, null);
     localStorage.setItem(KEY, query.toString());
   } catch {
     // Storage may be forbidden; then every visit starts anew.
@@ -172,6 +182,6 @@ export function rememberedChoices(): Wish {
 
 /** `choices` with what `wish` asks for. */
 export function withWishes(choices: Choices, wish: Wish): Choices {
-  const { goal, lods, outputFormat, encoding, quality } = { ...choices, ...wish };
-  return { goal, lods, outputFormat, encoding, quality, run: { ...choices.run, ...wish.run } };
+  const { goal, lods, outputFormat, encoding, quality, preparation } = { ...choices, ...wish };
+  return { goal, lods, outputFormat, encoding, quality, preparation, run: { ...choices.run, ...wish.run } };
 }

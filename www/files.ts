@@ -3,7 +3,7 @@
 /** File name endings that the engine reads. */
 export const MODEL_EXTENSIONS: readonly string[] = ['glb', 'gltf', 'obj', 'ply', 'stl', 'off', 'smf'];
 
-/** Files in a dropped folder beyond this are left out: somebody dropped their disk. */
+/** Files in a folder beyond this are left out: somebody dropped or chose their disk. */
 const FILE_LIMIT = 2000;
 
 const extensionOf = (name: string): string => /\.([^./]+)$/.exec(name)?.[1]?.toLowerCase() ?? '';
@@ -43,8 +43,8 @@ export function filesOfDrop(transfer: DataTransfer): Promise<File[]> {
   return readEntries(found);
 }
 
-/** The files of a file input; with `webkitdirectory` under their paths in the folder. */
-export const filesOfInput = (files: FileList): File[] => [...files].map((file) => named(file, file.webkitRelativePath || file.name));
+/** The files of a file input; with `webkitdirectory` under their paths in the folder, as from a drop. */
+export const filesOfInput = (files: FileList): File[] => [...files].slice(0, FILE_LIMIT).map((file) => named(file, file.webkitRelativePath || file.name));
 
 /** The files under the names that the model among them has for them: it names its textures relative to itself. */
 export function relativeToModel(files: readonly File[], model = modelFile(files)): File[] {

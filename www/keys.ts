@@ -41,6 +41,7 @@ export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: Cam
     } else if (key === 'o' || key === 'O') actions.toggleSheet('options');
     else if (key === 'i' || key === 'I') actions.toggleSheet('details');
     else if (key === 'f' || key === 'F') actions.fit();
+    else if (key === 'b' || key === 'B') actions.paint();
     else if (key === 'w' || key === 'W') actions.changeView({ wireframe: !state().view.wireframe });
     else if (key === 's' || key === 'S') actions.changeView({ layout: state().view.layout === 'split' ? 'single' : 'split' });
     else if (key === 'e' || key === 'E') actions.changeView({ edgeClasses: !state().view.edgeClasses });

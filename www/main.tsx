@@ -11,6 +11,7 @@ import { preferredLanguage, rememberLanguage, t, useLanguage } from './messages/
 import type { Language } from './messages/messages.ts';
 import { whenIdle } from './idle.ts';
 import { keepOffline, onLaunchFiles, takeSharedFiles } from './offline/offline.ts';
+import type { Painting } from './paint/painting.tsx';
 import { bindPointers } from './preview/pointer.ts';
 import { View } from './preview/view.ts';
 import { Batch } from './batch/batch.ts';
@@ -58,10 +59,12 @@ const view = new View(
     onContextRestored: () => update((now) => transitions.remarked(now, '')),
     onContents: (contents) => update((now) => transitions.contentsChanged(now, contents)),
     onEdges: (counts) => update((now) => transitions.edgesCounted(now, counts)),
+    onPaint: (reply) => painting?.received(reply),
     onInsets: (insets) => update((now) => transitions.insetsChanged(now, insets)),
   },
   reducedMotion,
 );
+let painting: Painting | null = null;
 const store = { get value() { return state.peek(); }, update };
 const client = createWorkerClient();
 const session = new Session(store, client, view);
@@ -78,6 +81,7 @@ const actions: Actions = {
   moveTarget: (triangles, gesture) => update((now) => transitions.targetMoved(now, triangles, gesture)),
   undo: () => update(transitions.undone),
   redo: () => update(transitions.redone),
+  paint: () => void togglePainting(),
   fit: () => view.move({ kind: 'fit' }),
   changeView: (change) => update((now) => transitions.viewChanged(now, change)),
   loadUpdate: () => loadUpdate(),
@@ -89,6 +93,7 @@ const actions: Actions = {
   chooseGoal: (goal) => update((now) => transitions.goalChosen(now, goal)),
   changeRun: (change) => update((now) => transitions.runChanged(now, change)),
   chooseMeshes: (kept) => update((now) => transitions.runChanged(now, { kept })),
+  changePreparation: (change) => update((now) => transitions.preparationChanged(now, change)),
   chooseLods: (lods) => update((now) => transitions.lodsChosen(now, lods)),
   resetChoices: () => update(transitions.choicesReset),
   remark: (text) => update((now) => transitions.remarked(now, text)),
@@ -126,15 +131,16 @@ effect(() => {
   });
 });
 watch((now) => JSON.stringify([now.model?.wantedTriangles, transitions.choicesOf(now)]), () => session.wishChanged());
-watch((now) => JSON.stringify([now.quality, now.run]), () => rememberChoices(transitions.choicesOf(state.peek())));
+watch((now) => JSON.stringify([now.quality, now.run, now.preparation]), () => rememberChoices(transitions.choicesOf(state.peek())));
 watch((now) => JSON.stringify([now.model?.wantedTriangles, now.model?.origin, transitions.choicesOf(now)]), keepAddressLater);
-watch((now) => now.sheet, () => requestAnimationFrame(() => view.setInsets(insetsOf(host))));
+watch((now) => `${now.sheet} ${now.paint !== null}`, () => requestAnimationFrame(() => view.setInsets(insetsOf(host))));
 watch(transitions.heatMapWish, (wish) => {
   clearTimeout(heatTimer);
   // Levels that a drag passes are not measured.
   if (wish !== null) heatTimer = setTimeout(() => void session.measure(), HEAT_PAUSE);
 });
-watch((now) => now.view, (settings) => view.setSettings(settings));
+watch(transitions.shownView, (settings) => view.setSettings(settings));
+watch((now) => now.paint !== null, nameCanvas);
 watch((now) => now.view.theme, (theme) => view.setTheme(applyTheme(theme)));
 watch((now) => now.model?.name, (name) => {
   document.title = name === undefined ? 'Decimesh' : `${name} – Decimesh`;
@@ -171,9 +177,29 @@ async function speak(language: Language): Promise<void> {
     // Without a network it goes on in the language it has.
     return;
   }
-  canvas?.setAttribute('aria-roledescription', t('view.role'));
-  canvas?.setAttribute('aria-label', t('view.name'));
+  nameCanvas(state.peek().paint !== null);
   update((now) => transitions.languageChanged(now, language));
+}
+
+/** What the view is, in words, and what the keys do there. */
+function nameCanvas(painting: boolean): void {
+  canvas?.setAttribute('aria-roledescription', t('view.role'));
+  canvas?.setAttribute('aria-label', t(painting ? 'paint.view' : 'view.name'));
+}
+
+/** Takes the brush up, or puts it down. Its code is loaded for who paints. */
+async function togglePainting(): Promise<void> {
+  const { paint, model } = state.peek();
+  if (paint !== null) return update((now) => transitions.paintChanged(now, null));
+  if (model === null || canvas === null) return;
+  if (view.isUnavailable) return update((now) => transitions.remarked(now, t('view.unavailable')));
+  try {
+    const { Painting } = await import('./paint/painting.tsx');
+    painting ??= new Painting(state, store, session, view, canvas);
+    painting.start();
+  } catch (error) {
+    update((now) => transitions.failed(now, describeError(error)));
+  }
 }
 
 function openAddress(text: string): void {
@@ -244,7 +270,8 @@ function observeDock(page: HTMLElement): void {
 
 /** What panels cover of the view, as they mark it themselves. */
 function insetsOf(page: HTMLElement): { top: number; right: number; bottom: number; left: number } {
-  const top = page.querySelector('.top-bar')?.getBoundingClientRect().bottom ?? 0;
+  // The brush's controls are below the bar.
+  const top = (document.querySelector('.paint-bar') ?? page.querySelector('.top-bar'))?.getBoundingClientRect().bottom ?? 0;
   const dock = page.querySelector('[data-inset]')?.getBoundingClientRect();
   const sheet = page.querySelector('[data-inset-left]')?.getBoundingClientRect();
   // A sheet over most of the view leaves nothing to make room in.

@@ -59,6 +59,8 @@ export type Measurement =
 export interface Output {
   readonly format: OutputFormat;
   readonly encoding: Encoding;
+  /** The `preparationKey` of what it was prepared with. */
+  readonly preparation: string;
   /** The wish whose level was written. */
   readonly wantedTriangles: number;
   /** The chain that was written; empty: one level. */

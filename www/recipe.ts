@@ -2,6 +2,7 @@
 import { isChain, weightList } from './choices.ts';
 import type { Choices } from './choices.ts';
 import { encodingFor, writeOptions } from './encoding.ts';
+import { prepareArguments, prepareOptions } from './preparation.ts';
 
 /** What a recipe is about. */
 export interface Recipe {
@@ -38,6 +39,7 @@ export function commandOf(recipe: Recipe): string {
   if (weights !== '') parts.push('--attribute-weights', weights);
   if (encoding.compress !== undefined && (outputFormat === 'glb' || encoding.compress !== 'none')) parts.push('--compress', encoding.compress);
   if (encoding.quantize === true) parts.push('--quantize');
+  parts.push(...prepareArguments(outputFormat, choices.preparation));
   return parts.join(' ');
 }
 
@@ -56,6 +58,7 @@ export function codeOf(recipe: Recipe): string {
   };
   const write = {
     ...writeOptions(outputFormat, encodingFor(outputFormat, choices.encoding)),
+    ...prepareOptions(outputFormat, choices.preparation),
     ...(isChain(choices) ? { lods: shares(lods) } : goal.kind === 'size' ? { size: goal.bytes } : {}),
   };
   const kept = run.kept.length === 0 ? [] : [

@@ -1,7 +1,7 @@
 // The conversation with the worker: opens files, records the history, and keeps what is shown in step with what is
 // wanted. Only the latest wish counts: one request is under way, and what was asked for meanwhile is read when it ends.
 import { DecimeshError } from 'decimesh/worker';
-import type { DocumentProxy, Report, WorkerClient } from 'decimesh/worker';
+import type { DocumentProxy, DocumentSummary, Report, WorkerClient } from 'decimesh/worker';
 import { isChain, runKey } from './choices.ts';
 import type { Goal } from './choices.ts';
 import { describeError } from './describe_error.ts';
@@ -13,6 +13,7 @@ import type { Quality } from './formats.ts';
 import { t } from './messages/messages.ts';
 import { heatLimit } from './preview/heat.ts';
 import type { View } from './preview/view.ts';
+import { NO_PREPARATION, preparationKey, prepareOptions } from './preparation.ts';
 import { fetchModel } from './remote.ts';
 import { readScene } from './scene.ts';
 import * as transitions from './state.ts';
@@ -73,6 +74,8 @@ export class Session {
   private wake: (() => void) | null = null;
   /** Downloads that wait for the file itself: its size is not enough for them, and pausing would keep them. */
   private filesWanted = 0;
+  /** What is painted on each vertex of the document on screen, by the number of its state; null: nothing. */
+  painted: (state: number) => Uint8Array | null = () => null;
   /** Told after every step. */
   private readonly waiting = new Set<() => void>();
 
@@ -88,6 +91,11 @@ export class Session {
     const model = modelFile(files);
     if (model === undefined) return;
     await this.runTask('opening', model.name, (signal) => this.replaceDocument(files, { fileName: model.name, credit: '', origin: null }, signal));
+  }
+
+  /** What the document on screen consists of, null without one. */
+  get summary(): DocumentSummary | null {
+    return this.current?.document.summary ?? null;
   }
 
   /** Frees the model; nothing is on screen afterwards. */
@@ -245,7 +253,9 @@ export class Session {
           animations: prepared.animations,
         }),
       );
-      this.tellSize(byteLength, report, { format: 'glb', encoding: 'none', wantedTriangles: summary.triangles, lods: [] });
+      this.tellSize(byteLength, report, {
+        format: 'glb', encoding: 'none', preparation: preparationKey('glb', NO_PREPARATION), wantedTriangles: summary.triangles, lods: [],
+      });
       // The panel first: with few cores, drawing and simplifying would keep the page from laying it out.
       await afterNextPaint();
       if (this.current !== open) return prepared.discard();
@@ -284,7 +294,7 @@ export class Session {
     update((state) => transitions.recordingProgressed(state, 0));
     try {
       await open.document.simplify({
-        ...simplifyOptions(run, open.document.summary),
+        ...simplifyOptions(run, open.document.summary, this.painted(run.paint)),
         signal: recording.signal,
         onProgress: (fraction) => update((state) => transitions.recordingProgressed(state, fraction)),
       });
@@ -380,13 +390,16 @@ export class Session {
       if (this.filesWanted === 0 && ((await this.pause()) || this.current !== open)) return true;
       await this.selectLevel(open, model);
       const chain = isChain(now) && model.history.kind === 'ready';
-      const { bytes, report } = await open.document.write({ ...writeOptions(outputFormat, encoding), ...(chain ? { lods } : {}) });
+      const prepared = prepareOptions(outputFormat, now.preparation);
+      const { bytes, report } = await open.document.write({ ...writeOptions(outputFormat, encoding), ...prepared, ...(chain ? { lods } : {}) });
       if (this.current !== open) return true;
       // A change that came meanwhile asks for something else.
       if (open.recorded !== null && open.recorded !== runKey(this.store.value.run)) return true;
       const loss = report.warnings.find((warning) => warning.code === 'not-carried');
       open.written = { key, bytes, loss: loss === undefined ? '' : ` ${loss.message}.` };
-      this.tellSize(bytes.byteLength, report, { format: outputFormat, encoding, wantedTriangles: wanted, lods: isChain(now) ? lods : [] });
+      this.tellSize(bytes.byteLength, report, {
+        format: outputFormat, encoding, preparation: preparationKey(outputFormat, now.preparation), wantedTriangles: wanted, lods: isChain(now) ? lods : [],
+      });
       return true;
     } catch (error) {
       if (this.current !== open) return true;
@@ -422,7 +435,9 @@ export class Session {
 
   private async findGoal(open: OpenDocument, now: State, goal: Exclude<Goal, { kind: 'triangles' }>): Promise<number> {
     if (goal.kind === 'error') return (await open.document.level({ error: `${goal.percent}%` })).triangles;
-    const { report } = await open.document.write({ ...writeOptions(now.outputFormat, encodingFor(now.outputFormat, now.encoding)), size: goal.bytes });
+    const { outputFormat: format } = now;
+    const file = { ...writeOptions(format, encodingFor(format, now.encoding)), ...prepareOptions(format, now.preparation) };
+    const { report } = await open.document.write({ ...file, size: goal.bytes });
     return report.output.triangles;
   }
 
@@ -445,7 +460,8 @@ export class Session {
     this.store.update((state) => transitions.fittingStarted(transitions.levelStale(state)));
     try {
       const onProgress = (fraction: number): void => this.store.update((state) => transitions.fittingProgressed(state, fraction));
-      const options = simplifyOptions(this.store.value.run, open.document.summary);
+      const { run } = this.store.value;
+      const options = simplifyOptions(run, open.document.summary, this.painted(run.paint));
       let level = await open.document.simplify({ ...options, triangles: wanted, preset: quality, keepLevels: true, signal, onProgress });
       // Near the fewest there are, the history may go further than this run.
       if (level.triangles > wanted) level = await open.document.level({ triangles: wanted });
@@ -465,7 +481,7 @@ export class Session {
     }
   }
 
-  private tellSize(bytes: number, report: Report, wish: Pick<transitions.Output, 'format' | 'encoding' | 'wantedTriangles' | 'lods'>): void {
+  private tellSize(bytes: number, report: Report, wish: Pick<transitions.Output, 'format' | 'encoding' | 'preparation' | 'wantedTriangles' | 'lods'>): void {
     this.store.update((state) => transitions.outputMeasured(state, { ...wish, bytes, parts: report.output.parts, levels: report.lods ?? [] }));
   }
 

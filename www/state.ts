@@ -9,6 +9,10 @@ import { isOutputFormat } from './formats.ts';
 import type { OutputFormat, Quality } from './formats.ts';
 import type { Language } from './messages/messages.ts';
 import type { Deviation, Level, Model, Notice, Output, Source, Step, Task } from './model.ts';
+import { NO_PREPARATION, preparationKey } from './preparation.ts';
+import type { Preparation } from './preparation.ts';
+import { viewForPainting } from './paint/mode.ts';
+import type { PaintMode } from './paint/mode.ts';
 import { NO_CONTENTS } from './preview/no-contents.ts';
 import type { EdgeCounts, Insets, ViewContents, ViewSettings } from './preview/protocol.ts';
 import { STILL_LIFE } from './preview/settings.ts';
@@ -36,6 +40,8 @@ export interface State extends Choices {
   readonly batch: BatchState | null;
   readonly language: Language;
   readonly view: View;
+  /** The brush in hand; null while a drag turns the model. */
+  readonly paint: PaintMode | null;
   /** What the model has to be looked at. */
   readonly contents: ViewContents;
   /** Of what is drawn, while the classes of edges are drawn. */
@@ -72,6 +78,7 @@ export const initialState: State = {
   batch: null,
   language: 'en',
   view: { ...STILL_LIFE, playing: true, theme: 'system' },
+  paint: null,
   contents: NO_CONTENTS,
   edgeCounts: null,
   reducedMotion: false,
@@ -106,8 +113,9 @@ export const modelOpened = (
   opened: Pick<Model, 'name' | 'credit' | 'source' | 'warnings' | 'animations'> & Partial<Pick<Model, 'fileName' | 'origin' | 'parts' | 'scene'>>,
 ): State => ({
   ...state,
-  ...withWishes({ ...choicesOf(state), goal: DEFAULT_CHOICES.goal, run: { ...state.run, kept: [] }, ...usualFor(opened.source) }, state.wish),
+  ...withWishes({ ...choicesOf(state), goal: DEFAULT_CHOICES.goal, run: { ...state.run, kept: [], paint: DEFAULT_RUN.paint }, ...usualFor(opened.source) }, state.wish),
   wish: {},
+  paint: null,
   batch: null,
   task: null,
   notice: null,
@@ -140,12 +148,15 @@ export const usualFor = (source: Source): Pick<Choices, 'outputFormat' | 'encodi
 });
 
 /** The choices in `state` by themselves. */
-export const choicesOf = ({ goal, run, lods, outputFormat, encoding, quality }: State): Choices => ({ goal, run, lods, outputFormat, encoding, quality });
+export const choicesOf = ({ goal, run, lods, outputFormat, encoding, quality, preparation }: State): Choices =>
+  ({ goal, run, lods, outputFormat, encoding, quality, preparation });
 
 /** Back to the start page, or to `batch`. */
 export const modelClosed = (state: State, batch: BatchState | null): State => ({
   ...state,
   model: null,
+  paint: null,
+  run: { ...state.run, paint: DEFAULT_RUN.paint },
   batch,
   task: null,
   notice: null,
@@ -217,6 +228,7 @@ export const isOutputCurrent = (state: State): boolean => {
     output.wantedTriangles === state.model?.wantedTriangles &&
     output.format === state.outputFormat &&
     output.encoding === encodingFor(state.outputFormat, state.encoding) &&
+    output.preparation === preparationKey(state.outputFormat, state.preparation) &&
     output.lods.join() === (isChain(state) ? state.lods.join() : '')
   );
 };
@@ -311,11 +323,14 @@ export const goalChosen = (state: State, goal: Goal): State => chosen(state, { g
 
 export const runChanged = (state: State, change: Partial<RunSettings>): State => chosen(state, { run: { ...state.run, ...change } });
 
+export const preparationChanged = (state: State, change: Partial<Preparation>): State =>
+  chosen(state, { preparation: { ...state.preparation, ...change } });
+
 export const lodsChosen = (state: State, lods: readonly number[]): State => chosen(state, { lods });
 
 /** Everything but the slider and the format as it is without touching anything. */
 export const choicesReset = (state: State): State =>
-  chosen(state, { goal: DEFAULT_CHOICES.goal, run: DEFAULT_RUN, lods: [], quality: DEFAULT_CHOICES.quality });
+  chosen(state, { goal: DEFAULT_CHOICES.goal, run: DEFAULT_RUN, lods: [], quality: DEFAULT_CHOICES.quality, preparation: NO_PREPARATION });
 
 /** Shows `sheet`, or puts the one away that is shown. */
 export const sheetToggled = (state: State, sheet: Sheet | null): State => ({ ...state, sheet: state.sheet === sheet ? null : sheet });
@@ -329,6 +344,12 @@ export const batchChanged = (state: State, change: (batch: BatchState) => BatchS
 export const languageChanged = (state: State, language: Language): State => ({ ...state, language });
 
 export const viewChanged = (state: State, change: Partial<View>): State => ({ ...state, view: { ...state.view, ...change } });
+
+/** Takes up the brush, sets it, or puts it down with null. */
+export const paintChanged = (state: State, paint: PaintMode | null): State => (state.model === null ? state : { ...state, paint });
+
+/** How the model is drawn. */
+export const shownView = ({ view, paint }: State): View => (paint === null ? view : viewForPainting(view));
 
 /** Another model is on its way to the screen: what it lacks is not shown any longer. */
 export const contentsChanged = (state: State, contents: ViewContents): State => ({

@@ -3,7 +3,9 @@ import type { DocumentSimplifyOptions, DocumentSummary, LevelGeometry } from 'de
 import { isChain, runKey } from './choices.ts';
 import type { Choices, RunSettings } from './choices.ts';
 import { encodingFor } from './encoding.ts';
+import { LOCKING, weightOfPaint } from './paint/mode.ts';
 import type { Quality } from './formats.ts';
+import { preparationKey } from './preparation.ts';
 import type { Model, State } from './state.ts';
 
 /** What a file depends on. */
@@ -12,14 +14,17 @@ export const wishKey = (state: State, model: Model, fit: Quality): string =>
     model.wantedTriangles,
     state.outputFormat,
     encodingFor(state.outputFormat, state.encoding),
+    preparationKey(state.outputFormat, state.preparation),
     fit,
     isChain(state) ? state.lods.join() : '',
     runKey(state.run),
   ].join(' ');
 
 /** What the count that a goal stands for depends on. */
-export const goalKey = ({ goal, run, outputFormat, encoding }: Choices): string =>
-  [JSON.stringify(goal), runKey(run), goal.kind === 'size' ? outputFormat + encodingFor(outputFormat, encoding) : ''].join(' ');
+export const goalKey = ({ goal, run, outputFormat, encoding, preparation }: Choices): string => {
+  const file = goal.kind === 'size' ? outputFormat + encodingFor(outputFormat, encoding) + preparationKey(outputFormat, preparation) : '';
+  return [JSON.stringify(goal), runKey(run), file].join(' ');
+};
 
 /** The quality as it counts: of a chain, and within a size, the levels are those of the record. */
 export const fitFor = (state: State): Quality => (isChain(state) || state.goal.kind === 'size' ? 'fast' : state.quality);
@@ -31,10 +36,14 @@ export const fitOfFile = (state: State, model: Model, fitted: Quality | null): Q
   return quality === 'fast' ? (fitted ?? 'fast') : quality;
 };
 
-/** The settings as the package takes them. */
-export function simplifyOptions({ lockBorder, prune, weights, kept }: RunSettings, { groups, wedgeSets }: DocumentSummary): DocumentSimplifyOptions {
+/** The settings as the package takes them, with what is painted on each vertex of the document, if anything is. */
+export function simplifyOptions(
+  { lockBorder, prune, weights, kept }: RunSettings,
+  { groups, wedgeSets }: DocumentSummary,
+  painted: Uint8Array | null = null,
+): DocumentSimplifyOptions {
   const options = { lockBorder, prune, attributeWeights: weights };
-  if (kept.length === 0) return options;
+  if (kept.length === 0 && painted === null) return options;
   const sets = new Set(groups.filter(({ mesh }) => kept.includes(mesh)).map(({ wedgeSet }) => wedgeSet));
   const locked = new Uint8Array(wedgeSets.reduce((sum, { vertices }) => sum + vertices, 0));
   let start = 0;
@@ -42,7 +51,14 @@ export function simplifyOptions({ lockBorder, prune, weights, kept }: RunSetting
     if (sets.has(set)) locked.fill(1, start, start + vertices);
     start += vertices;
   }
-  return { ...options, locked };
+  if (painted === null) return { ...options, locked };
+  const protection = new Float32Array(locked.length);
+  for (let vertex = 0; vertex < locked.length; vertex += 1) {
+    const paint = painted[vertex] ?? 0;
+    protection[vertex] = weightOfPaint[paint] ?? 0;
+    if (paint === LOCKING) locked[vertex] = 1;
+  }
+  return { ...options, locked, weights: protection };
 }
 
 /** How many triangles of each mesh there are. */

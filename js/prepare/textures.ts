@@ -5,6 +5,7 @@ import { extensionOf, objectOr, objects, requireExtension, setExtension, uint, t
 import { DecimeshError } from '../errors.js';
 import { yieldToEvents } from '../platform.js';
 import type { TextureOptions, Warning } from '../types.js';
+import { remembering } from './encoded.js';
 import { imageCodec, type ImageCodec } from './images.js';
 import { referencesOf } from './references.js';
 
@@ -38,7 +39,7 @@ export async function shrinkTextures(data: GltfData, options: TextureOptions): P
     // JPEG has no alpha, which whoever asks for it everywhere did not mean to lose.
     const opaque = format === 'jpeg' && type !== 'image/jpeg' && hasAlpha(bytes, type) ? 'png' : format;
     const wanted = use === 'one of two' ? undefined : opaque;
-    codec ??= await imageCodec();
+    codec ??= remembering(await imageCodec());
     await yieldToEvents();
     try {
       const own = normals.has(index) ? Math.max(quality, LEAST_QUALITY_OF_NORMALS) : quality;

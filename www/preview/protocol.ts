@@ -1,6 +1,7 @@
 // What the page and the view say to each other. Types only. The view lives in a worker where the browser allows it:
 // compiling shaders and sending a large mesh to the graphics card can take long, and the page must not wait for it.
 import type { LevelGeometry } from 'decimesh';
+import type { PaintReply, PaintRequest } from '../paint/protocol.ts';
 
 /** Pixels at each side of the view that something covers. */
 export interface Insets {
@@ -104,6 +105,8 @@ export type ViewRequest =
    * has the last colour. For a level that is not shown any more it does nothing.
    */
   | { readonly type: 'deviation'; readonly wedgeSets: readonly Float32Array[]; readonly limit: number }
+  /** Painting on the original, for which the code is loaded then. */
+  | { readonly type: 'paint'; readonly paint: PaintRequest }
   | { readonly type: 'settings'; readonly settings: ViewSettings }
   | { readonly type: 'theme'; readonly theme: ViewTheme }
   | { readonly type: 'resize'; readonly size: ViewSize; readonly insets: Insets }
@@ -114,6 +117,7 @@ export type ViewReply =
   | { readonly type: 'loaded'; readonly id: number; readonly contents: ViewContents }
   /** The classes of edges of what is drawn now; null when they are not drawn. */
   | { readonly type: 'edges'; readonly counts: EdgeCounts | null }
+  | { readonly type: 'paint'; readonly paint: PaintReply }
   /** The graphics card is done with the picture that was asked for. */
   | { readonly type: 'drawn'; readonly id: number }
   | { readonly type: 'failed'; readonly id: number | null; readonly message: string }

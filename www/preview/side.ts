@@ -126,7 +126,8 @@ export class Side {
   }
 }
 
-function trianglesOf(geometry: BufferGeometry): Triangles {
+/** The triangles of `geometry` as plain arrays. */
+export function trianglesOf(geometry: BufferGeometry): Triangles {
   const position = geometry.getAttribute('position');
   const indices = geometry.index?.array ?? null;
   if (!('isInterleavedBufferAttribute' in position) && position.itemSize === 3) return { positions: position.array, indices };

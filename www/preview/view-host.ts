@@ -2,6 +2,8 @@
 import { contentsOf } from './contents.ts';
 import { disposeModel, loadModel } from './load.ts';
 import type { LoadedModel } from './load.ts';
+import type { Painter } from '../paint/painter.ts';
+import type { PaintRequest } from '../paint/protocol.ts';
 import type { EdgeCounts, ViewReply, ViewRequest } from './protocol.ts';
 import { Viewer } from './viewer.ts';
 
@@ -39,12 +41,29 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
   const show = (id: number): void => {
     const model = loaded.get(id);
     loaded.delete(id);
-    if (model !== undefined) viewer?.show(model);
+    if (model === undefined) return;
+    painter?.dispose();
+    painter = null;
+    viewer?.show(model);
   };
 
   const replyDrawn = async (id: number): Promise<void> => {
     await viewer?.drawn();
     reply({ type: 'drawn', id });
+  };
+
+  let painter: Painter | null = null;
+  let painting: Promise<void> = Promise.resolve();
+  // One after the other: the code is there only when the first has been taken.
+  const paint = (request: PaintRequest): void => {
+    painting = painting
+      .then(async () => {
+        if (painter !== null || request.type !== 'start') return painter?.take(request);
+        const { Painter } = await import('../paint/painter.ts');
+        const model = viewer?.easel?.model;
+        if (model !== undefined) painter = new Painter(() => viewer?.easel ?? null, (told) => reply({ type: 'paint', paint: told }), request, model);
+      })
+      .catch((error: unknown) => console.error(error));
   };
 
   return (request) => {
@@ -80,6 +99,9 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
         break;
       case 'deviation':
         viewer?.setDeviation(request.wedgeSets, request.limit);
+        break;
+      case 'paint':
+        paint(request.paint);
         break;
       case 'settings':
         viewer?.setSettings(request.settings);

@@ -1,5 +1,6 @@
 // The page's side of the 3D view: starts it, in a worker where the browser can draw there, and passes on what happens.
 import type { LevelGeometry } from 'decimesh';
+import type { PaintReply, PaintRequest } from '../paint/protocol.ts';
 import { NO_CONTENTS } from './no-contents.ts';
 import type { CameraMove, EdgeCounts, Insets, ViewContents, ViewReply, ViewRequest, ViewSettings, ViewTheme } from './protocol.ts';
 
@@ -13,6 +14,8 @@ export interface ViewEvents {
   onContents(contents: ViewContents): void;
   /** The classes of edges of what is drawn, when they are drawn; else null. */
   onEdges(counts: EdgeCounts | null): void;
+  /** A stroke of the brush has ended. */
+  onPaint(reply: PaintReply): void;
   /** Pixels of the canvas that panels cover have changed. */
   onInsets(insets: Insets): void;
 }
@@ -85,6 +88,16 @@ export class View {
       type: 'settings',
       settings: { surface, wireframe, edgeClasses, playing, animation, comparing, layout, split, turntable, lamp, morphs },
     });
+  }
+
+  /** Paints on the original; arrays in it are transferred. */
+  paint(request: PaintRequest): void {
+    this.post({ type: 'paint', paint: request }, 'painted' in request ? [request.painted.buffer] : []);
+  }
+
+  /** Whether nothing can be seen. */
+  get isUnavailable(): boolean {
+    return this.unavailable;
   }
 
   setTheme(theme: ViewTheme): void {
@@ -161,6 +174,9 @@ export class View {
         break;
       case 'edges':
         this.events.onEdges(reply.counts);
+        break;
+      case 'paint':
+        this.events.onPaint(reply.paint);
         break;
       case 'context-lost':
         this.events.onContextLost();

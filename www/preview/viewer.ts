@@ -2,6 +2,7 @@
 import { AnimationMixer, Box3, BufferAttribute, BufferGeometry, Color, Group, Mesh, MeshStandardMaterial, NeutralToneMapping, Scene, Vector3, WebGLRenderer } from 'three';
 import type { Material } from 'three';
 import type { LevelGeometry } from 'decimesh';
+import type { Easel } from '../paint/painter.ts';
 import { OrbitCamera } from './camera.ts';
 import { MorphSetter } from './contents.ts';
 import { addDeviation, levelGeometries } from './geometry.ts';
@@ -211,6 +212,12 @@ export class Viewer {
   moveCamera(moves: readonly CameraMove[]): void {
     for (const move of moves) this.view.move(this.inPane(move));
     this.invalidate();
+  }
+
+  /** What painting on the model works with; null without a model. */
+  get easel(): Easel | null {
+    const { model, size } = this;
+    return model && { model, camera: this.view.camera, width: size.width, height: size.height, draw: () => this.invalidate() };
   }
 
   /** A place under the pointer is one of the pane that it is over. */

@@ -43,6 +43,8 @@ export interface Actions extends OptionsActions, BatchActions {
   undo(): void;
   redo(): void;
   fit(): void;
+  /** Takes up the brush, or puts it down. */
+  paint(): void;
   changeView(change: Partial<View>): void;
   loadUpdate(): void;
   declineUpdate(): void;
@@ -70,6 +72,7 @@ export function App({ state, actions }: { readonly state: State; readonly action
         {model !== null && <p class="model-name" title={model.credit || undefined}>{model.name}</p>}
         <div class="top-actions">
           {model !== null && <FileChooser id="file" label={t('start.open')} onFiles={actions.openFiles} />}
+          {model !== null && <FileChooser id="folder" label={t('start.folder')} folder iconOnly onFiles={actions.openFiles} />}
           <LanguageChoice language={state.language} onLanguage={actions.chooseLanguage} />
           <button type="button" class="quiet icon-button" aria-label={t('panel.help')} title={`${t('panel.help')} (?)`} onClick={() => actions.toggleHelp(true)}>
             <Icon name="help" />
@@ -112,7 +115,7 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
   return (
     <main class="workspace">
       <Compare
-        layout={state.view.layout}
+        layout={state.paint === null ? state.view.layout : 'single'}
         split={state.view.split}
         comparing={state.view.comparing}
         insets={state.insets}
@@ -132,7 +135,9 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
         animations={model.animations}
         canUndo={model.undo.length > 0}
         canRedo={model.redo.length > 0}
+        painting={state.paint !== null}
         onFit={actions.fit}
+        onPaint={actions.paint}
         onView={actions.changeView}
         onMorph={actions.changeMorph}
         onUndo={actions.undo}

@@ -20,7 +20,10 @@ export function Landing({ onFiles, children }: LandingProps) {
         <Logo size={56} />
         <h1>{t('start.title')}</h1>
         <p>{t('start.drop')}</p>
-        <FileChooser id="landing-file" label={t('start.choose')} primary onFiles={onFiles} />
+        <div class="landing-choosers">
+          <FileChooser id="landing-file" label={t('start.choose')} primary onFiles={onFiles} />
+          <FileChooser id="landing-folder" label={t('start.folder')} folder onFiles={onFiles} />
+        </div>
         <p class="landing-formats">{t('start.formats')}<br />{t('start.private')}</p>
       </div>
       <section aria-labelledby="samples-title">

@@ -22,8 +22,9 @@ const KEYS: ReadonlyArray<readonly [keys: readonly string[], meaning: PlainKey]>
   [['S'], 'seeing.handle'],
   [['E'], 'seeing.edges'],
   [['C'], 'view.compare'],
-  [['S'], 'seeing.handle'],
-  [['E'], 'seeing.edges'],
+  [['B'], 'paint.name'],
+  [['Space', '←', '→', '↑', '↓'], 'help.paint'],
+  [[',', '.', '1 … 0', 'X'], 'help.brush'],
   [['Esc'], 'help.cancel'],
   [['?'], 'help.open'],
 ];

@@ -107,7 +107,7 @@ export function LodSlider({ value, fewest, all, pending, onChange, children }: L
         ))}
         <span class="lod-marks-gap" />
         {BUDGETS.filter((count) => count < all && count >= fewest).map((count) => (
-          <Mark key={count} text={`${count / 1000}k`} name={t('slider.budget', { count })} count={count} value={value} onChoose={choose} />
+          <Mark key={count} text={`${count / 1000}k`} name={`${count / 1000}k: ${t('slider.budget', { count })}`} count={count} value={value} onChoose={choose} />
         ))}
       </div>
     </div>

@@ -5,10 +5,13 @@ import type { Goal, RunSettings } from '../../choices.ts';
 import { formatBytes } from '../../format.ts';
 import { t } from '../../messages/messages.ts';
 import { choicesOf } from '../../state.ts';
+import { NO_PREPARATION, preparationKey } from '../../preparation.ts';
+import type { Preparation as Preparations } from '../../preparation.ts';
 import type { Model, State } from '../../state.ts';
 import { missedSize } from '../../status.ts';
 import { NumberField } from '../number-field/number-field.tsx';
 import { Levels } from './levels.tsx';
+import { Preparation } from './preparation.tsx';
 import { RecipeButtons } from './recipe-buttons.tsx';
 import { SceneTree } from './scene-tree.tsx';
 import { Weights } from './weights.tsx';
@@ -17,6 +20,7 @@ import './options.css';
 export interface OptionsActions {
   chooseGoal(goal: Goal): void;
   changeRun(change: Partial<RunSettings>): void;
+  changePreparation(change: Partial<Preparations>): void;
   chooseLods(lods: readonly number[]): void;
   chooseMeshes(kept: readonly number[]): void;
   resetChoices(): void;
@@ -34,11 +38,13 @@ interface OptionsProps {
 const MEGABYTE = 1e6;
 
 export function Options({ state, model, actions }: OptionsProps) {
-  const { goal, run, lods, outputFormat } = state;
+  const { goal, run, lods, outputFormat, preparation } = state;
+  // Compared as for a GLB: for other formats they are kept, and count for nothing.
+  const prepared = preparationKey('glb', preparation) !== preparationKey('glb', NO_PREPARATION);
   const limit = goal.kind === 'error' ? `${goal.percent} %` : goal.kind === 'size' ? formatBytes(goal.bytes) : '';
   const weighed = JSON.stringify(run.weights) !== JSON.stringify(DEFAULT_RUN.weights);
   const meshes = new Set(model.scene.flatMap(({ mesh }) => (mesh === null ? [] : [mesh])));
-  const changed = runKey(run) !== runKey(DEFAULT_RUN) || goal.kind !== 'triangles' || lods.length > 0 || state.quality !== 'balanced';
+  const changed = runKey(run) !== runKey(DEFAULT_RUN) || goal.kind !== 'triangles' || lods.length > 0 || state.quality !== 'balanced' || prepared;
   return (
     <>
       <Fold title={t('options.limits')} value={limit} open>
@@ -75,6 +81,14 @@ export function Options({ state, model, actions }: OptionsProps) {
       )}
       <Fold title={t('options.levels')} value={lods.length > 1 && outputFormat === 'glb' ? String(lods.length) : ''}>
         <Levels lods={lods} possible={outputFormat === 'glb'} output={model.output} onLods={actions.chooseLods} />
+      </Fold>
+      <Fold title={t('options.preparation')} value={prepared && outputFormat === 'glb' ? t('options.changed') : ''}>
+        <Preparation
+          preparation={preparation}
+          possible={outputFormat === 'glb'}
+          textured={model.parts === null ? null : model.parts.textures > 0}
+          onChange={actions.changePreparation}
+        />
       </Fold>
       <Fold title={t('options.recipe')} value="">
         <RecipeButtons

@@ -24,6 +24,7 @@ export function RecipeButtons({ recipe, onCopied }: RecipeButtonsProps) {
         <button type="button" class="secondary" onClick={() => copy('code')}>{t('recipe.code')}</button>
       </div>
       <pre class="recipe" tabindex={0} role="group" aria-label={t('options.recipe')} translate={false}><code>{text}</code></pre>
+      {recipe.choices.run.paint > 0 && <p class="hint">{t('recipe.painted')}</p>}
       {recipe.choices.run.kept.length > 0 && <p class="hint">{t('recipe.kept')}</p>}
     </>
   );

@@ -16,7 +16,9 @@ interface ToolbarProps {
   readonly canUndo: boolean;
   readonly canRedo: boolean;
   readonly reducedMotion: boolean;
+  readonly painting: boolean;
   onFit(): void;
+  onPaint(): void;
   onView(change: Partial<View>): void;
   onMorph(index: number, weight: number | null): void;
   onUndo(): void;
@@ -25,7 +27,7 @@ interface ToolbarProps {
 
 const OPTIONS = 'view-options';
 
-export function Toolbar({ view, contents, insets, animations, canUndo, canRedo, reducedMotion, onFit, onView, onMorph, onUndo, onRedo }: ToolbarProps) {
+export function Toolbar({ view, contents, insets, animations, canUndo, canRedo, reducedMotion, painting, onFit, onPaint, onView, onMorph, onUndo, onRedo }: ToolbarProps) {
   const [open, setOpen] = useState(false);
   const opener = useRef<HTMLButtonElement>(null);
   const compare = (comparing: boolean) => (): void => onView({ comparing });
@@ -38,6 +40,7 @@ export function Toolbar({ view, contents, insets, animations, canUndo, canRedo, 
       <div class="toolbar" role="toolbar" aria-label={t('view.toolbar')}>
         <Tool icon="undo" label={t('panel.undo')} keys="Ctrl+Z" disabled={!canUndo} onClick={onUndo} />
         <Tool icon="redo" label={t('panel.redo')} keys="Ctrl+Shift+Z" disabled={!canRedo} onClick={onRedo} />
+        <Tool icon="brush" label={t('paint.name')} keys="B" pressed={painting} onClick={onPaint} />
         <span class="toolbar-gap" />
         <Tool icon="fit" label={t('view.fit')} keys="F" onClick={onFit} />
         <Tool icon="wireframe" label={t('view.wireframe')} keys="W" pressed={view.wireframe} onClick={() => onView({ wireframe: !view.wireframe })} />
