@@ -46,12 +46,12 @@ pub fn estimate_bytes(mesh: &Mesh, options: &SimplifyOptions) -> u64 {
     (1.05 * most + attributes + pairs + protection + OTHER_BYTES) as u64
 }
 
-/// Bytes of the attributes that count: by wedge and number a value with its gradient, by vertex a matrix, and in the
-/// record the solved values, in a list that doubles.
+/// Bytes of the attributes that count: by wedge a matrix and by number a value with its gradient, and in the record the
+/// solved values, in a list that doubles.
 fn attribute_bytes(mesh: &Mesh, options: &SimplifyOptions, vertices: f64, wanted: f64) -> f64 {
     let Some(layout) = Layout::new(mesh, &options.attribute_weights, |_| 1.0) else { return 0.0 };
     let (wedges, numbers) = (mesh.positions.len() as f64, layout.solved().components as f64);
-    wedges * (16.0 * numbers + 8.0) + 40.0 * vertices + 12.0 * numbers * wedges.min(1.4 * wanted)
+    wedges * (16.0 * (numbers + 2.0) + 8.0) + 4.0 * vertices + 12.0 * numbers * wedges.min(1.4 * wanted)
 }
 
 /// `too-large` if the estimate is above the limit.
