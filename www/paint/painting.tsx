@@ -72,6 +72,8 @@ export class Painting {
 
   private follow(now: State): void {
     const { paint } = now;
+    // Another model has another history.
+    if (this.canvasOf !== null && now.model?.source !== this.canvasOf.source) this.canvasOf = null;
     if (paint === null) this.put();
     else {
       this.brush = paint;
