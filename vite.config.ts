@@ -19,6 +19,7 @@ export default defineConfig({
   resolve: {
     alias: [
       { find: /^decimesh$/, replacement: at('./dist/index.js') },
+      { find: /^decimesh\/progressive$/, replacement: at('./dist/progressive.js') },
       { find: /^decimesh\/worker$/, replacement: at('./dist/worker/client.js') },
     ],
   },

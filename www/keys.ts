@@ -14,7 +14,8 @@ export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: Cam
     const { key } = event;
     if (key === 'Escape') {
       if (state().help) return;
-      if (canCancel(state()) || state().batch?.running === true) actions.cancel();
+      if (state().arrival !== null) actions.closeArrival();
+      else if (canCancel(state()) || state().batch?.running === true) actions.cancel();
       else if (state().sheet !== null && state().notice === null) actions.toggleSheet(null);
       else actions.dismiss();
       return;
@@ -22,6 +23,8 @@ export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: Cam
     if (isTyping(event.target) || event.altKey) return;
     if (event.ctrlKey || event.metaKey) {
       const lower = key.toLowerCase();
+      // There is no level to choose or to save while the model arrives.
+      if (state().arrival !== null) return;
       if (lower === 'z' || lower === 'y') {
         event.preventDefault();
         if (lower === 'y' || event.shiftKey) actions.redo();
@@ -38,6 +41,9 @@ export function bindKeys(canvas: HTMLElement, actions: Actions, move: (move: Cam
     if (turn !== undefined) {
       event.preventDefault();
       move(turn);
+    } else if (key === ' ' && state().arrival !== null && (event.target === canvas || isText(event.target))) {
+      event.preventDefault();
+      actions.toggleArrival();
     } else if (key === 'o' || key === 'O') actions.toggleSheet('options');
     else if (key === 'i' || key === 'I') actions.toggleSheet('details');
     else if (key === 'f' || key === 'F') actions.fit();
@@ -81,6 +87,9 @@ function cameraMove(key: string): CameraMove | undefined {
       return undefined;
   }
 }
+
+/** Whether a key on it is not its own: nothing that is pressed or scrolled has the focus. */
+const isText = (target: EventTarget | null): boolean => target instanceof HTMLElement && (target === document.body || target instanceof HTMLHeadingElement);
 
 /** Inputs in which a letter means nothing. */
 const WITHOUT_LETTERS: readonly string[] = ['range', 'file', 'radio', 'checkbox'];

@@ -9,6 +9,7 @@ import { filesOfDrop, filesOfInput, modelsOf } from './files.ts';
 import { bindKeys } from './keys.ts';
 import { preferredLanguage, rememberLanguage, t, useLanguage } from './messages/messages.ts';
 import type { Language } from './messages/messages.ts';
+import type { Arrival } from './arrival/arrival.tsx';
 import { whenIdle } from './idle.ts';
 import { keepOffline, onLaunchFiles, takeSharedFiles } from './offline/offline.ts';
 import type { Painting } from './paint/painting.tsx';
@@ -106,12 +107,16 @@ const actions: Actions = {
   closeBatch: () => batch.close(),
   download: () => void session.download(),
   measure: () => void session.measure(),
+  watchArrival: () => void watchArrival(),
+  toggleArrival: () => arrival?.toggle(),
+  closeArrival: () => arrival?.close(),
   chooseLanguage: (language) => {
     rememberLanguage(language);
     void speak(language);
   },
 };
 
+let arrival: Arrival | null = null;
 let addressTimer: ReturnType<typeof setTimeout> | undefined;
 /** Milliseconds that a level has been on screen for before it is measured for the heat map. */
 const HEAT_PAUSE = 400;
@@ -126,7 +131,7 @@ effect(() => {
   // Changes that come together are drawn together.
   queueMicrotask(() => {
     drawing = false;
-    render(<App state={state.peek()} actions={actions} />, host);
+    render(<App state={state.peek()} actions={actions} arrival={arrival?.panel(state.peek())} />, host);
     observeDock(host);
   });
 });
@@ -134,6 +139,8 @@ watch((now) => JSON.stringify([now.model?.wantedTriangles, transitions.choicesOf
 watch((now) => JSON.stringify([now.quality, now.run, now.preparation]), () => rememberChoices(transitions.choicesOf(state.peek())));
 watch((now) => JSON.stringify([now.model?.wantedTriangles, now.model?.origin, transitions.choicesOf(now)]), keepAddressLater);
 watch((now) => `${now.sheet} ${now.paint !== null}`, () => requestAnimationFrame(() => view.setInsets(insetsOf(host))));
+// Another model has taken the place of the one that was arriving.
+watch((now) => now.arrival === null, (gone) => gone && arrival?.stop());
 watch(transitions.heatMapWish, (wish) => {
   clearTimeout(heatTimer);
   // Levels that a drag passes are not measured.
@@ -190,6 +197,7 @@ function nameCanvas(painting: boolean): void {
 /** Takes the brush up, or puts it down. Its code is loaded for who paints. */
 async function togglePainting(): Promise<void> {
   const { paint, model } = state.peek();
+  if (state.peek().arrival !== null) return;
   if (paint !== null) return update((now) => transitions.paintChanged(now, null));
   if (model === null || canvas === null) return;
   if (view.isUnavailable) return update((now) => transitions.remarked(now, t('view.unavailable')));
@@ -214,6 +222,23 @@ function openAddress(text: string): void {
 function openSample({ address: path, fileName, credit }: Sample): void {
   const origin = { kind: 'sample', address: fileName.replace(/\.glb$/, '') } as const;
   void session.openAddress(new URL(path, location.href), fileName, origin, credit);
+}
+
+/** Has the open model arrive over a slow connection, as a progressive mesh. */
+async function watchArrival(): Promise<void> {
+  const { model } = state.peek();
+  if (model === null || session.files === null || state.peek().arrival !== null) return;
+  try {
+    const loaded = await import('./arrival/arrival.tsx');
+    const { files } = session;
+    if (state.peek().model?.name !== model.name || files === null || state.peek().arrival !== null) return;
+    arrival = new loaded.Arrival({ store, client, view, onClosed: () => session.takeViewBack() }, model.name);
+    const opened = arrival.open(files);
+    session.lendView();
+    await opened;
+  } catch (error) {
+    update((now) => transitions.failed(now, { ...describeError(error), code: 'cannot-read' }));
+  }
 }
 
 /** One model goes on screen, several go into a queue. */

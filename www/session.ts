@@ -196,6 +196,27 @@ export class Session {
     }
   }
 
+  // --- the view lent to an arrival
+
+  /** The files of the model on screen. */
+  get files(): readonly File[] | null {
+    return this.current?.files ?? null;
+  }
+
+  /** Something else shows its geometries now: a download and a measurement of what was on screen end. */
+  lendView(): void {
+    this.task?.abort(superseded());
+    this.store.update((state) => transitions.heatMapLeft(transitions.measuringEnded(state, null, '')));
+    this.wishChanged();
+  }
+
+  /** Shows the level that is wanted again. */
+  takeViewBack(): void {
+    if (this.current !== null) this.current.fitted = null;
+    this.store.update(transitions.levelStale);
+    this.wishChanged();
+  }
+
   // --- tasks
 
   private async runTask(kind: 'opening' | 'writing', name: string, run: (signal: AbortSignal) => Promise<void>): Promise<void> {
@@ -354,7 +375,7 @@ export class Session {
     const now = this.store.value;
     const { model, outputFormat, lods } = now;
     const encoding = encodingFor(outputFormat, now.encoding);
-    if (open === null || model === null || model.history.kind === 'recording') return false;
+    if (open === null || model === null || model.history.kind === 'recording' || now.arrival !== null) return false;
     if (open.recorded !== null && open.recorded !== runKey(now.run)) return false;
     const wanted = model.wantedTriangles;
     const full = wanted === model.source.triangles;

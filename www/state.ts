@@ -1,5 +1,6 @@
 // The page's one state value and the pure transitions between its values; nothing here fetches, draws or waits.
 import type { Blockers } from 'decimesh/worker';
+import type { ArrivalState } from './arrival/arrival_state.ts';
 import type { BatchState } from './batch/batch_state.ts';
 import { DEFAULT_CHOICES, DEFAULT_RUN, isChain, runKey, withWishes } from './choices.ts';
 import type { Choices, Goal, RunSettings, Wish } from './choices.ts';
@@ -38,6 +39,8 @@ export interface State extends Choices {
   readonly help: boolean;
   /** Several files at once, in place of a model. */
   readonly batch: BatchState | null;
+  /** The model arriving as a progressive mesh, in place of the panel. */
+  readonly arrival: ArrivalState | null;
   readonly language: Language;
   readonly view: View;
   /** The brush in hand; null while a drag turns the model. */
@@ -76,6 +79,7 @@ export const initialState: State = {
   sheet: null,
   help: false,
   batch: null,
+  arrival: null,
   language: 'en',
   view: { ...STILL_LIFE, playing: true, theme: 'system' },
   paint: null,
@@ -117,6 +121,7 @@ export const modelOpened = (
   wish: {},
   paint: null,
   batch: null,
+  arrival: null,
   task: null,
   notice: null,
   remark: '',
@@ -158,6 +163,7 @@ export const modelClosed = (state: State, batch: BatchState | null): State => ({
   paint: null,
   run: { ...state.run, paint: DEFAULT_RUN.paint },
   batch,
+  arrival: null,
   task: null,
   notice: null,
   sheet: null,

@@ -10,6 +10,8 @@ export const statusText = (state: State): string => {
   const { task, model } = state;
   if (task !== null) return t(`status.${task.kind}`, { name: task.name });
   if (model === null) return state.remark;
+  // What is going on behind it is not told meanwhile.
+  if (state.arrival !== null) return state.arrival.phase === 'making' ? t('arrival.making', { name: model.name }) : state.remark;
   const { name, history, wantedTriangles, source, shown } = model;
   if (history.kind === 'recording') return t('status.simplifying', { name });
   if (history.kind === 'ready' && !isSettled(model)) return t('status.going', { count: wantedTriangles });

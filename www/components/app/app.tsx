@@ -1,4 +1,5 @@
 // The page as a function of its state: which parts are there and what their events mean.
+import type { ComponentChildren } from 'preact';
 import { samples } from '../../samples/samples.ts';
 import type { Sample } from '../../samples/samples.ts';
 import type { Encoding } from '../../encoding.ts';
@@ -56,10 +57,20 @@ export interface Actions extends OptionsActions, BatchActions {
   toggleHelp(shown: boolean): void;
   download(): void;
   measure(): void;
+  watchArrival(): void;
+  toggleArrival(): void;
+  closeArrival(): void;
   chooseLanguage(language: Language): void;
 }
 
-export function App({ state, actions }: { readonly state: State; readonly actions: Actions }) {
+interface AppProps {
+  readonly state: State;
+  readonly actions: Actions;
+  /** What stands in the panel's place while the model arrives; loaded when that is asked for. */
+  readonly arrival: ComponentChildren;
+}
+
+export function App({ state, actions, arrival }: AppProps) {
   const { model, notice, view } = state;
   const status = statusText(state);
   return (
@@ -88,7 +99,7 @@ export function App({ state, actions }: { readonly state: State; readonly action
           <Samples samples={samples} onChoose={actions.openSample} />
         </Landing>
       ) : (
-        <ModelPanel state={state} model={model} actions={actions} />
+        <ModelPanel state={state} model={model} actions={actions} arrival={arrival} />
       )}
 
       <div class="messages">
@@ -108,7 +119,7 @@ export function App({ state, actions }: { readonly state: State; readonly action
   );
 }
 
-function ModelPanel({ state, model, actions }: { readonly state: State; readonly model: Model; readonly actions: Actions }) {
+function ModelPanel({ state, model, actions, arrival }: AppProps & { readonly model: Model }) {
   const settled = isSettled(model);
   const outputCurrent = isOutputCurrent(state);
   const sheets = { options: t('panel.options'), details: t('panel.details') };
@@ -133,8 +144,8 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
         insets={state.insets}
         reducedMotion={state.reducedMotion}
         animations={model.animations}
-        canUndo={model.undo.length > 0}
-        canRedo={model.redo.length > 0}
+        canUndo={model.undo.length > 0 && state.arrival === null}
+        canRedo={model.redo.length > 0 && state.arrival === null}
         painting={state.paint !== null}
         onFit={actions.fit}
         onPaint={actions.paint}
@@ -145,11 +156,12 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
       />
       {state.sheet !== null && (
         <Sheet key={state.sheet} title={sheets[state.sheet]} bottom={state.insets.bottom} onClose={() => actions.toggleSheet(null)}>
-          {state.sheet === 'options' ? <Options state={state} model={model} actions={actions} /> : <Details model={model} outputCurrent={outputCurrent} />}
+          {state.sheet === 'options' ? <Options state={state} model={model} actions={actions} /> : <Details model={model} outputCurrent={outputCurrent} onArrival={actions.watchArrival} />}
         </Sheet>
       )}
       <div class="dock" data-inset>
         {model.credit !== '' && <p class="credit">{model.credit}</p>}
+        {state.arrival !== null ? arrival : (
         <section class="panel model-panel" aria-label={t('panel.name')}>
           {isBusy(state) && <Progress fraction={progress(state)} label={statusText(state)} onCancel={actions.cancel} />}
           <LodSlider
@@ -194,6 +206,7 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
             />
           </div>
         </section>
+        )}
       </div>
     </main>
   );

@@ -12,7 +12,13 @@ const PARTS = ['geometry', 'textures', 'animation', 'other'] as const satisfies 
 /** Reasons that are told; the rest hardly matters. */
 const MOST_REASONS = 3;
 
-export function Details({ model, outputCurrent }: { readonly model: Model; readonly outputCurrent: boolean }) {
+interface DetailsProps {
+  readonly model: Model;
+  readonly outputCurrent: boolean;
+  onArrival(): void;
+}
+
+export function Details({ model, outputCurrent, onArrival }: DetailsProps) {
   const { source, shown, output, history, warnings, measurement } = model;
   const made = output?.parts ?? null;
   const textures = output === null ? 0 : (made?.textures ?? 0) / output.bytes;
@@ -51,6 +57,10 @@ export function Details({ model, outputCurrent }: { readonly model: Model; reado
         </tbody>
       </table>
       {output !== null && textures > 0.5 && <p class="hint">{t('details.textures', { share: formatShare(textures) })}</p>}
+
+      <h3>{t('arrival.progressive')}</h3>
+      <p class="hint">{t('arrival.hint')}</p>
+      <button type="button" class="secondary arrival-button" onClick={onArrival}>{t('arrival.title')}</button>
 
       <h3>{t('details.why')}</h3>
       {history.kind !== 'ready' ? (
