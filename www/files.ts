@@ -1,7 +1,7 @@
 // Gathers the files of a model from a drop or a file input, each under its path as a model refers to it.
 
 /** File name endings that the engine reads. */
-export const MODEL_EXTENSIONS: readonly string[] = ['glb', 'gltf', 'obj', 'ply', 'stl', 'off', 'smf'];
+export const MODEL_EXTENSIONS: readonly string[] = ['glb', 'gltf', 'obj', 'ply', 'stl', 'off', 'smf', 'pmesh'];
 
 /** Files in a folder beyond this are left out: somebody dropped or chose their disk. */
 const FILE_LIMIT = 2000;

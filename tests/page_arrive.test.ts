@@ -1,0 +1,171 @@
+// A model arriving as a progressive mesh, as people watch it: played, paused, begun again, saved, refused, and left.
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import type { AxeResults } from 'axe-core';
+import { decodeProgressive } from 'decimesh/progressive';
+import type { Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
+import { at } from '../scripts/project.mjs';
+import { Connection } from '../www/arrival/connection.ts';
+import { dropFiles, startPage } from './support/browser.mjs';
+import { hills, plyOf } from './support/meshes.ts';
+import { LONG, openPanelPage, type PanelPage } from './support/panel_page.ts';
+
+const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const fan = { name: 'desk-fan.glb', bytes: readFileSync(at('www', 'samples', 'desk-fan.glb')) };
+const land = { name: 'land.ply', bytes: plyOf(hills(60)) };
+
+let served: Awaited<ReturnType<typeof startPage>>;
+let page: Page;
+let problems: string[];
+let status: PanelPage['status'];
+
+beforeAll(async () => {
+  served = await startPage();
+});
+afterAll(() => served?.close());
+afterEach(async () => {
+  await page?.context().close();
+  expect(problems).toEqual([]);
+});
+
+const panel = () => page.getByRole('region', { name: 'Watch it arrive' });
+const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true });
+const figure = async (name: string): Promise<string> => panel().locator('.figure').filter({ hasText: name }).locator('.after').innerText();
+const count = (text: string): number => Number(text.replace(/\D/g, ''));
+
+async function openModel(file = land, options: Parameters<typeof openPanelPage>[2] = { picture: true }): Promise<number> {
+  ({ page, problems, status } = await openPanelPage(served.browser, served.url, options));
+  await dropFiles(page, [file]);
+  await status(/^Ready/);
+  return Number(await slider().inputValue());
+}
+
+async function watch(): Promise<void> {
+  await page.getByRole('button', { name: 'Details', exact: true }).click();
+  await page.getByRole('button', { name: 'Watch it arrive' }).click();
+  await panel().waitFor(LONG);
+}
+
+const over = (speed: string): Promise<string[]> => panel().getByRole('combobox', { name: 'Connection' }).selectOption(speed);
+const violations = async (): Promise<unknown[]> => {
+  await page.evaluate(AXE);
+  const { violations: found } = await page.evaluate(() => (globalThis as unknown as { axe: { run(): Promise<AxeResults> } }).axe.run());
+  return found.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]);
+};
+
+describe('a model that arrives', () => {
+  it('is seen coarse at first and whole at last, and gives the panel back', async () => {
+    const all = await openModel();
+    await slider().fill('1000');
+    await status(/^Ready\. Showing/);
+    await watch();
+    await over('slow');
+    await status(/^First picture after/);
+    const early = count(await figure('Triangles'));
+    expect(early).toBeGreaterThan(0);
+    expect(early).toBeLessThan(all);
+    expect(await page.getByRole('button', { name: 'Download', exact: true }).count()).toBe(0);
+    await over('none');
+    await status(/^land has arrived/);
+    expect(count(await figure('Triangles'))).toBe(all);
+    expect(await figure('Received')).toBe('100 %');
+    await page.keyboard.press('Escape');
+    await status(/^Ready\. Showing/);
+    expect(await slider().inputValue()).toBe('1000');
+  });
+
+  it('waits and goes on by keyboard, and comes again', async () => {
+    await openModel();
+    await watch();
+    await over('slow');
+    await status(/^First picture after/);
+    await page.locator('#view').focus();
+    await page.keyboard.press(' ');
+    await status(/^Paused/);
+    // What was on its way is told once more.
+    await page.waitForTimeout(300);
+    const before = await figure('Time');
+    await page.waitForTimeout(500);
+    expect(await figure('Time')).toBe(before);
+    await page.keyboard.press(' ');
+    await expect.poll(() => figure('Time'), LONG).not.toBe(before);
+    await over('none');
+    await status(/^land has arrived/);
+    await panel().getByRole('button', { name: 'Once more' }).click();
+    await status(/^First picture after/);
+    await status(/^land has arrived/);
+  });
+
+  it('has its file: what is saved is a progressive mesh, which the page opens', async () => {
+    const all = await openModel(fan, {});
+    await watch();
+    const button = panel().getByRole('button', { name: 'Download .pmesh' });
+    await expect.poll(() => button.isEnabled(), LONG).toBe(true);
+    const [saved] = await Promise.all([page.waitForEvent('download', LONG), button.click()]);
+    expect(saved.suggestedFilename()).toBe('desk-fan.pmesh');
+    const bytes = new Uint8Array(readFileSync(await saved.path()));
+    expect(decodeProgressive(bytes).triangles).toBe(all);
+    // Another model ends it.
+    await dropFiles(page, [{ name: 'again.pmesh', bytes }]);
+    await slider().waitFor(LONG);
+    await status(/^Ready/);
+    expect(Number(await slider().inputValue())).toBe(all);
+    expect(await panel().count()).toBe(0);
+  });
+
+  it('comes in steps where less motion is asked for', async () => {
+    await openModel(land, {});
+    await watch();
+    const smooth = panel().getByRole('checkbox', { name: 'Smooth transitions' });
+    expect([await smooth.isChecked(), await smooth.isDisabled()]).toEqual([false, true]);
+  });
+
+  it('is refused in a sentence where it cannot come', async () => {
+    await openModel(land, { serviceWorkers: 'block' });
+    await page.context().route('**/arrival-worker-*.js', (route) => route.abort());
+    await watch();
+    await page.locator('.notice').filter({ hasText: 'worker-lost' }).waitFor(LONG);
+    expect(await slider().isVisible()).toBe(true);
+    // The browser tells of the request.
+    problems.length = 0;
+  });
+
+  it.each(['light', 'dark'] as const)('has nothing that axe-core objects to, in the %s', async (colorScheme) => {
+    await openModel(land, { colorScheme, viewport: { width: 360, height: 760 } });
+    await watch();
+    expect(await violations()).toEqual([]);
+    await status(/^land has arrived/);
+    expect(await violations()).toEqual([]);
+    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(360);
+  });
+});
+
+describe('a connection', () => {
+  it('hands over what is due by its clock, nothing while it is paused, and all at infinite speed', async () => {
+    problems = [];
+    let now = 0;
+    const bytes = Uint8Array.from({ length: 5000 }, (_, index) => index);
+    const connection = new Connection(bytes, 1000, () => now);
+    const pieces: Uint8Array[] = [];
+    const done = (async () => {
+      for await (const piece of connection) pieces.push(piece);
+    })();
+    const rest = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, 60));
+    now = 2000;
+    await rest();
+    expect(connection.received).toBe(2000);
+    connection.pause();
+    now = 60_000;
+    await rest();
+    expect([connection.received, connection.elapsed]).toEqual([2000, 2000]);
+    connection.resume();
+    now = 63_000;
+    await done;
+    expect(connection.elapsed).toBe(5000);
+    expect(Buffer.concat(pieces)).toEqual(Buffer.from(bytes));
+    let received = 0;
+    for await (const piece of new Connection(bytes, Infinity, () => 0)) received += piece.length;
+    expect(received).toBe(5000);
+  });
+});
