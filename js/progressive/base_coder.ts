@@ -1,7 +1,10 @@
 // The base mesh as bits: corner by corner, each a wedge that was there or a new one.
+//
+// Its normals come after it. They have no digits in common with what is around them and would take half of the bytes before
+// the first picture, which can do with those of the surface.
 
 import { DecimeshError } from '../errors.js';
-import type { Description } from './description.js';
+import { isDirection, type Description } from './description.js';
 import { FloatModel, IntegerModel } from './numbers.js';
 import { newModels, type Coder } from './range_coder.js';
 import type { SplitCoder } from './split_coder.js';
@@ -73,12 +76,42 @@ export function codeBase(coder: Coder, mesh: SplitMesh, description: Description
       const before = wedges.at(-1) ?? mesh.wedgeCount - 1;
       const wedge = mesh.addWedge(set, before >= 0 && mesh.setOf[before] === set ? before : NONE, vertex);
       if (corner !== undefined) plan?.wedgeMade(corner.wedge, wedge);
-      values.codeValues(coder, mesh, wedge);
+      values.codeValues(coder, mesh, wedge, 'others');
       wedges.push(wedge);
       vertices.push(vertex);
     }
     if (new Set(vertices).size < 3) throw new DecimeshError('syntax', 'a triangle has a vertex twice', 'base');
     const made = mesh.addTriangle(group, wedges, vertices);
     for (const [k, corner] of (planned ?? []).entries()) plan?.cornerMade(corner.name, 3 * made + k);
+  }
+}
+
+/** Codes the normals of the base mesh, once that is there. */
+export function codeDirections(coder: Coder, mesh: SplitMesh, values: SplitCoder): void {
+  for (let wedge = 0; wedge < mesh.wedgeCount; wedge += 1) values.codeValues(coder, mesh, wedge, 'directions');
+}
+
+/** Gives the wedges of the base mesh the normals of its surface, until their own are there: by area, of unit length. */
+export function guessDirections(mesh: SplitMesh, { wedgeSets }: Description): void {
+  const sums = new Float64Array(3 * mesh.wedgeCount);
+  for (let triangle = 0; triangle < mesh.triangleCount; triangle += 1) {
+    const wedges = [0, 1, 2].map((k) => mesh.corners[3 * triangle + k] as number);
+    const [a, b, c] = wedges.map((wedge) => 3 * (mesh.vertexOf[wedge] as number)) as [number, number, number];
+    const side = (to: number, k: number): number => (mesh.positions[to + k] as number) - (mesh.positions[a + k] as number);
+    for (let k = 0; k < 3; k += 1) {
+      const [p, q] = [(k + 1) % 3, (k + 2) % 3];
+      const normal = side(b, p) * side(c, q) - side(b, q) * side(c, p);
+      for (const wedge of wedges) sums[3 * wedge + k] = (sums[3 * wedge + k] as number) + normal;
+    }
+  }
+  for (let wedge = 0; wedge < mesh.wedgeCount; wedge += 1) {
+    const set = mesh.setOf[wedge] as number;
+    const normal = sums.subarray(3 * wedge, 3 * wedge + 3);
+    const length = Math.hypot(...normal);
+    for (const [index, attribute] of (wedgeSets[set]?.attributes ?? []).entries()) {
+      if (!isDirection(attribute)) continue;
+      const unit = length > 0 && Number.isFinite(length) ? normal.map((value) => value / length) : [0, 0, 1];
+      mesh.sets[set]?.attributes[index]?.set(unit, 3 * (mesh.placeOf[wedge] as number));
+    }
   }
 }

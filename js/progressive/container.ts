@@ -9,16 +9,16 @@ export const PROGRESSIVE_EXTENSION = '.pmesh';
 /** The MIME type, in the vendor tree and not registered. */
 export const PROGRESSIVE_MIME_TYPE = 'model/vnd.decimesh.progressive';
 
-/** Of the format. Readers refuse a larger one. */
-export const VERSION = 1;
+/** Of the format. Readers refuse any other: files of version 1 were never released. */
+export const VERSION = 2;
 
 /** Not text, as nobody's transfer may change the ends of lines in it, which the last bytes would show. */
 const SIGNATURE = [0x89, 0x50, 0x4d, 0x53, 0x48, 0x0d, 0x0a, 0x1a];
 
 /** The kinds of chunks, in the order in which they come. */
-export type ChunkType = 'HEAD' | 'BASE' | 'SPLT' | 'REST' | 'DONE';
+export type ChunkType = 'HEAD' | 'BASE' | 'NORM' | 'SPLT' | 'REST' | 'DONE';
 
-const TYPES: readonly string[] = ['HEAD', 'BASE', 'SPLT', 'REST', 'DONE'];
+const TYPES: readonly string[] = ['HEAD', 'BASE', 'NORM', 'SPLT', 'REST', 'DONE'];
 
 /** A chunk that was read. */
 export interface Chunk {

@@ -2,9 +2,9 @@
 
 import { DecimeshError } from '../errors.js';
 import type { LevelGeometry } from '../types.js';
-import { codeBase } from './base_coder.js';
+import { codeBase, codeDirections, guessDirections } from './base_coder.js';
 import { ChunkReader, VERSION, type Chunk } from './container.js';
-import { checkDescription, type Description } from './description.js';
+import { hasDirections, unpackDescription, type Description } from './description.js';
 import { Geomorph } from './geomorph.js';
 import { geometryOf, wholeGeometry } from './levels.js';
 import { IntegerModel } from './numbers.js';
@@ -150,6 +150,8 @@ export class ProgressiveDecoder {
   #log: SplitLog | undefined;
   #dependencies: Dependencies | undefined;
   #rest: Rest | undefined;
+  /** Whether the normals of the base mesh are still to come. */
+  #guessed = false;
   #result: ProgressiveMesh | undefined;
   #done = false;
 
@@ -204,7 +206,12 @@ export class ProgressiveDecoder {
     }
     const [mesh, log, coder, result] = [this.#mesh, this.#log, this.#coder, this.#result];
     if (mesh === undefined || log === undefined || coder === undefined || result === undefined) throw misplaced(type);
-    if (type === 'SPLT') {
+    if (type === 'NORM' ? !this.#guessed : this.#guessed) throw misplaced(type);
+    if (type === 'NORM') {
+      codeDirections(new RangeDecoder(payload), mesh, coder);
+      this.#guessed = false;
+      yield { mesh: result, levelEnds: true };
+    } else if (type === 'SPLT') {
       if (this.#rest !== undefined) throw misplaced(type);
       yield* this.#splits(description, payload, mesh, log, coder, result);
       this.#levels.push({ splits: log.count, triangles: mesh.triangleCount, error: errorOf(payload) });
@@ -224,6 +231,8 @@ export class ProgressiveDecoder {
     const mesh = (this.#mesh = new SplitMesh(description));
     this.#coder = new SplitCoder(description);
     codeBase(new RangeDecoder(payload.subarray(4)), mesh, description, this.#coder);
+    this.#guessed = hasDirections(description);
+    if (this.#guessed) guessDirections(mesh, description);
     const log = (this.#log = new SplitLog(mesh));
     if (this.#options.selective === true) this.#dependencies = new Dependencies(mesh.vertexCount);
     this.#levels.push({ splits: 0, triangles: mesh.triangleCount, error: errorOf(payload) });
@@ -284,6 +293,6 @@ function readHeader(payload: Uint8Array): Description {
   }
   const version = typeof header === 'object' && header !== null ? (header as { version?: unknown }).version : undefined;
   if (typeof version !== 'number') throw new DecimeshError('syntax', 'is missing or of the wrong type', 'version');
-  if (version > VERSION) throw new DecimeshError('unsupported', `this is version ${version} of the format, known is ${VERSION}`, 'version');
-  return checkDescription(header);
+  if (version !== VERSION) throw new DecimeshError('unsupported', `this is version ${version} of the format, known is ${VERSION}`, 'version');
+  return unpackDescription(header);
 }

@@ -51,6 +51,69 @@ export interface Description {
 const MOST_PARTS = 65536;
 const MOST_ELEMENTS = 1 << 30;
 
+/** Whether an attribute is of unit length, and can be guessed from the surface. */
+export const isDirection = ({ name, components }: AttributeDescription): boolean => components === 3 && /^normal$/i.test(name);
+
+/** Whether any wedge set has such an attribute. */
+export const hasDirections = ({ wedgeSets }: Description): boolean => wedgeSets.some(({ attributes }) => attributes.some(isDirection));
+
+/** A header as it is stored: what many sets and groups have in common is in it once. */
+export interface PackedDescription extends Omit<Description, 'wedgeSets' | 'groups'> {
+  /** Lists of attributes, each once. */
+  readonly attributes: ReadonlyArray<readonly AttributeDescription[]>;
+  /** Each once. */
+  readonly names: readonly string[];
+  /** For each set its wedges and its place in `attributes`. */
+  readonly wedgeSets: ReadonlyArray<readonly [wedges: number, attributes: number]>;
+  /** For each group triangles, wedge set, mesh, primitive, and the places of object and material in `names`, −1 for none. */
+  readonly groups: ReadonlyArray<readonly [triangles: number, wedgeSet: number, mesh: number, primitive: number, object: number, material: number]>;
+}
+
+/** The header as it is stored. */
+export function packDescription({ wedgeSets, groups, ...description }: Description): PackedDescription {
+  const lists = new Map<string, number>();
+  const names = new Map<string, number>();
+  const placeIn = (map: Map<string, number>, key: string): number => {
+    const place = map.get(key) ?? map.size;
+    map.set(key, place);
+    return place;
+  };
+  const nameOf = (name: string | null): number => (name === null ? -1 : placeIn(names, name));
+  const packed = {
+    wedgeSets: wedgeSets.map(({ wedges, attributes }) => [wedges, placeIn(lists, JSON.stringify(attributes))] as const),
+    groups: groups.map(({ triangles, wedgeSet, mesh, primitive, object, material }) => [triangles, wedgeSet, mesh, primitive, nameOf(object), nameOf(material)] as const),
+  };
+  return { ...description, attributes: [...lists.keys()].map((list) => JSON.parse(list) as AttributeDescription[]), names: [...names.keys()], ...packed };
+}
+
+/** The header from what is stored, checked as {@link checkDescription} does. */
+export function unpackDescription(value: unknown): Description {
+  const { attributes, names, wedgeSets, groups, ...rest } = record(value, 'header');
+  const lists = list(attributes, 'attributes');
+  const texts = list(names, 'names');
+  const row = (entry: unknown, length: number, where: string): readonly unknown[] => {
+    if (!Array.isArray(entry) || entry.length !== length) throw wrong(where);
+    return entry;
+  };
+  const nameAt = (place: unknown, where: string): unknown => {
+    if (place === -1) return null;
+    if (typeof place !== 'number' || !Object.hasOwn(texts, place)) throw wrong(where);
+    return texts[place];
+  };
+  return checkDescription({
+    ...rest,
+    wedgeSets: list(wedgeSets, 'wedgeSets').map((entry, set) => {
+      const [wedges, place] = row(entry, 2, `wedgeSets[${set}]`);
+      return { wedges, attributes: typeof place === 'number' ? lists[place] : undefined };
+    }),
+    groups: list(groups, 'groups').map((entry, group) => {
+      const where = `groups[${group}]`;
+      const [triangles, wedgeSet, mesh, primitive, object, material] = row(entry, 6, where);
+      return { triangles, wedgeSet, mesh, primitive, object: nameAt(object, where), material: nameAt(material, where) };
+    }),
+  });
+}
+
 /** Checks a header that was read; throws `syntax`, `out-of-range` or `too-large` with the field's name. */
 export function checkDescription(value: unknown): Description {
   const header = record(value, 'header');

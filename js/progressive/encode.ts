@@ -4,9 +4,9 @@
 // In a chunk the splits are sorted into generations that do not touch each other, and in those by their vertex, so that
 // a vertex takes the bits of a small gap and not those of a number.
 
-import { codeBase, type BaseCorner } from './base_coder.js';
+import { codeBase, codeDirections, type BaseCorner } from './base_coder.js';
 import { packChunks, VERSION, type ChunkType } from './container.js';
-import type { Description } from './description.js';
+import { hasDirections, packDescription, type Description } from './description.js';
 import { readHistory, type Collapses, type History } from './history.js';
 import { gridOf, IntegerModel } from './numbers.js';
 import { RangeEncoder } from './range_coder.js';
@@ -91,10 +91,14 @@ class ProgressiveEncoder {
 
   encode(): Uint8Array<ArrayBuffer> {
     const chunks: Array<{ type: ChunkType; payload: Uint8Array }> = [];
-    const header = { version: VERSION, ...this.#description };
-    chunks.push({ type: 'HEAD', payload: new TextEncoder().encode(JSON.stringify(header)) });
+    chunks.push({ type: 'HEAD', payload: new TextEncoder().encode(JSON.stringify({ version: VERSION, ...packDescription(this.#description) })) });
     const coder = new SplitCoder(this.#description);
     chunks.push({ type: 'BASE', payload: this.#base(coder) });
+    if (hasDirections(this.#description)) {
+      const directions = new RangeEncoder();
+      codeDirections(directions, this.#mesh, coder);
+      chunks.push({ type: 'NORM', payload: directions.finish() });
+    }
     const integers = new IntegerModel();
     const { trianglesAfter } = this.#history.collapses;
     for (let end = this.#baseCollapses; end > 0; ) {

@@ -15,7 +15,7 @@ import { DecimeshError } from '../errors.js';
 import { FloatModel, IntegerModel } from './numbers.js';
 import { newModels, type Coder } from './range_coder.js';
 import { NONE, Ring, type SplitMesh, type WedgeSetState } from './state.js';
-import type { Description } from './description.js';
+import { isDirection, type Description } from './description.js';
 
 /** A triangle that a split makes, as the writer knows it; wedges by the names that {@link SplitPlan} has for them. */
 export interface PlannedTriangle {
@@ -86,7 +86,7 @@ export class SplitCoder {
   constructor({ wedgeSets, groups, positionGrid }: Description) {
     this.#positions = new FloatModel(positionGrid, 3);
     this.#values = wedgeSets.map((set) => set.attributes.map(({ grid, components }) => new FloatModel(grid, components)));
-    this.#directions = wedgeSets.map((set) => set.attributes.map(({ name, components }) => components === 3 && /^normal$/i.test(name)));
+    this.#directions = wedgeSets.map((set) => set.attributes.map(isDirection));
     this.#groupSets = groups.map(({ wedgeSet }) => wedgeSet);
   }
 
@@ -356,8 +356,8 @@ export class SplitCoder {
     this.#positions.code(coder, positions, 3 * t, sum, scale);
   }
 
-  /** The attributes of a wedge that is new, after its corners are there. */
-  codeValues(coder: Coder, mesh: SplitMesh, wedge: number): void {
+  /** The attributes of a wedge that is new, after its corners are there: all, or only directions or others. */
+  codeValues(coder: Coder, mesh: SplitMesh, wedge: number, which?: 'directions' | 'others'): void {
     const set = mesh.setOf[wedge] as number;
     const state = mesh.sets[set] as WedgeSetState;
     if (state.components.length === 0) return;
@@ -378,13 +378,15 @@ export class SplitCoder {
     const place = mesh.placeOf[wedge] as number;
     const sum = this.#prediction;
     for (const [index, components] of state.components.entries()) {
+      const directed = this.#directions[set]?.[index] === true;
+      if (which !== undefined && directed !== (which === 'directions')) continue;
       const values = state.attributes[index] as Float32Array<ArrayBuffer>;
       for (let k = 0; k < components; k += 1) {
         sum[k] = 0;
         for (const other of around) sum[k] = (sum[k] as number) + (values[other * components + k] as number);
         sum[k] = (sum[k] as number) / Math.max(around.length, 1);
       }
-      if (this.#directions[set]?.[index] === true) normalise(sum);
+      if (directed) normalise(sum);
       let scale = 0;
       for (let k = 0; k < components && parentPlace >= 0; k += 1) {
         scale = Math.max(scale, Math.abs((sum[k] as number) - (values[parentPlace * components + k] as number)));
