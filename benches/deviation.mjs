@@ -2,6 +2,7 @@
 //
 //   node benches/deviation.mjs             six models at 10 and 1 %, and the bunny at 1,000 triangles
 //   node benches/deviation.mjs --quick     the bunny at 1,000 and igea at 10 %
+//   node benches/deviation.mjs --scans     all scans at 10 and 1 %, each measured once
 //
 // Samples per second are all places measured at (faces, edges, vertices, both sides) over the time of the whole
 // measurement, building the trees included: the median of 3 after one warm-up. The meter is the one that MESHDIST
@@ -12,9 +13,10 @@ import { cpus, tmpdir } from 'node:os';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { init, openDocument } from '../dist/index.js';
-import { available, loadModel, toObj } from './support/models.mjs';
+import { allModels, available, loadModel, toObj } from './support/models.mjs';
 
-const RUNS = 3;
+const ofScans = process.argv.includes('--scans');
+const RUNS = ofScans ? 1 : 3;
 
 if (!available) {
   console.log('SKIPPED: the bench models are not in ../shared/assets/bench');
@@ -27,7 +29,7 @@ process.on('exit', () => rmSync(work, { recursive: true, force: true }));
 async function measured(document) {
   const times = [];
   let deviation;
-  for (let run = -1; run < RUNS; run += 1) {
+  for (let run = ofScans ? 0 : -1; run < RUNS; run += 1) {
     const start = performance.now();
     deviation = await document.measure();
     if (run >= 0) times.push(performance.now() - start);
@@ -45,15 +47,18 @@ function byMeter(original, level) {
   return JSON.parse(execFileSync(meter, files, { encoding: 'utf8' }));
 }
 
-const columns = [16, 9, 8, 8, 8, 9, 9, 9, 9, 9, 9];
+const columns = [20, 9, 8, 8, 8, 9, 9, 9, 9, 9, 9];
 const print = (cells) => console.log(cells.map((cell, k) => String(cell).padStart(columns[k])).join(' '));
 
 await init();
 console.log(`${cpus()[0]?.model ?? 'unknown processor'}, Node ${process.version}; / is ours over the meter's`);
 print(['model', 'triangles', 'samples', 'ms', 'M / s', 'mean %', 'rms %', 'max %', 'mean /', 'rms /', 'max /']);
 
-const cases = [['stanford-bunny', 1000], ['igea', 0.1]];
-if (!process.argv.includes('--quick')) {
+const cases = ofScans ? [] : [['stanford-bunny', 1000], ['igea', 0.1]];
+const scans = new Map(allModels().map(({ name, read }) => [name, read]));
+if (ofScans) {
+  for (const name of scans.keys()) cases.push([name, 0.1], [name, 0.01]);
+} else if (!process.argv.includes('--quick')) {
   cases.push(['igea', 0.01]);
   for (const name of ['stanford-bunny', 'nefertiti', 'fandisk', 'rocker-arm', 'beast']) cases.push([name, 0.1], [name, 0.01]);
 }
@@ -63,8 +68,10 @@ for (const [wanted, size] of cases) {
   if (wanted !== name) {
     document?.dispose();
     name = wanted;
-    original = Buffer.from(toObj(loadModel(name)));
-    document = await openDocument([{ name: `${name}.obj`, bytes: original }]);
+    const read = ofScans ? scans.get(name) : undefined;
+    document = await openDocument([read ? { name, bytes: read() } : { name: `${name}.obj`, bytes: Buffer.from(toObj(loadModel(name))) }]);
+    // The meter reads one format, and what the document holds.
+    original = (await document.write({ format: 'obj' })).bytes;
   }
   const { triangles } = await document.simplify(size <= 1 ? { ratio: size } : { triangles: size });
   const { deviation, milliseconds } = await measured(document);

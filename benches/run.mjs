@@ -1,9 +1,10 @@
-// `npm run bench`: quality, speed, attributes, memory, history, looks, poses and loaders, side by side with other simplifiers.
+// `npm run bench`: quality, speed, attributes, memory, history, looks, poses, loaders and limits of the deviation,
+// side by side with other simplifiers.
 //
 //     npm run bench                              everything; ten minutes on two cores, more with MeshLab's first run
 //     npm run bench -- --quick                   a small share of each, a minute or two
 //     npm run bench -- quality speed             only these; known: quality speed attributes memory history
-//                                              levels looks poses loaders
+//                                              levels looks poses loaders bounded
 //     npm run bench -- --json FILE               also writes all figures there
 //
 // Deviations come from an independent meter if there is one: MESHDIST names it, or it stands in ../shared/tools.
@@ -12,6 +13,7 @@
 import { writeFileSync } from 'node:fs';
 import { cpus } from 'node:os';
 import { attributes } from './attributes.mjs';
+import { bounded } from './bounded.mjs';
 import { history } from './history.mjs';
 import { levels } from './levels.mjs';
 import { loaders } from './loaders.mjs';
@@ -24,7 +26,7 @@ import { peerVersion, presets, ready } from './support/engines.mjs';
 import { available } from './support/models.mjs';
 import { printGoals } from './support/report.mjs';
 
-const BENCHES = { quality, speed, attributes, memory, history, levels, looks, poses, loaders };
+const BENCHES = { quality, speed, attributes, memory, history, levels, looks, poses, loaders, bounded };
 
 function parse(words) {
   const options = { quick: false, json: undefined, names: [] };

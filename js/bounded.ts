@@ -1,4 +1,5 @@
-// The coarsest level whose measured deviation is within a limit, found over the recorded history.
+// The coarsest level whose measured deviation is within a limit: by refusing collapses where it is not, or else found over
+// the recorded history.
 //
 // The measured maximum does not fall strictly with the number of triangles: a level may be worse than a coarser one. The
 // search brackets the place where it first passes the limit and halves that; what it returns was measured itself.
@@ -43,4 +44,50 @@ export async function findWithin(
     wanted = Math.min(Math.max(Math.floor(unknown), bad + 1, least), good - 1);
   }
   return good;
+}
+
+/** A run to so many triangles that was measured. */
+export interface Attempt {
+  readonly triangles: number;
+  /** Places that are farther away than the limit; they are refused in the next run. */
+  readonly far: number;
+}
+
+/** Runs beyond these find little. */
+const MOST_ATTEMPTS = 12;
+
+/** From a level that is within the limit to the next that is tried. */
+const COARSER = 0.9;
+
+/** Triangles that a place that is too far away takes more; and of what there is, the most, and what each failure in a row adds. */
+const FOR_A_PLACE = 3;
+const MOST_FINER = 1.2;
+const FOR_A_FAILURE = 0.012;
+
+/** From an estimated error that is the limit, the level that refusals will lead to. */
+const FIRST = 0.92;
+
+/**
+ * Looks for the fewest triangles, from `least` to `most`, of which a run is within the limit. `attempt` runs to at most so many
+ * triangles, measures, and refuses what is too far away. `start` is a guess. Ends after the coarsest that is found, if one is.
+ */
+export async function tryRefusing(
+  { least, most, start }: { readonly least: number; readonly most: number; readonly start: number },
+  attempt: (triangles: number) => Promise<Attempt>,
+): Promise<void> {
+  let good = most;
+  let wanted = Math.min(Math.max(Math.floor(start * FIRST), least), most);
+  for (let [count, failures] = [0, 0]; count < MOST_ATTEMPTS && wanted * CLOSE < good; count += 1) {
+    const { triangles, far } = await attempt(wanted);
+    if (far === 0) {
+      good = Math.min(good, triangles);
+      // There is none coarser.
+      if (wanted <= least || triangles > wanted) return;
+      failures = 0;
+      wanted = Math.max(Math.floor(triangles * COARSER), least);
+    } else {
+      failures += 1;
+      wanted = Math.ceil(Math.min(wanted + FOR_A_PLACE * far, wanted * MOST_FINER) + FOR_A_FAILURE * (failures - 1) * wanted) + 1;
+    }
+  }
 }

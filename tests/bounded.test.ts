@@ -3,9 +3,10 @@ import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { init, openDocument } from 'decimesh';
-import { findWithin } from '../dist/bounded.js';
+import { findWithin, tryRefusing } from '../dist/bounded.js';
+import { Refusal } from '../dist/refusal.js';
 import { glb, gltfOf } from './support/glb.ts';
-import { hills } from './support/meshes.ts';
+import { hills, objOf } from './support/meshes.ts';
 import { meter, testWithMeter } from './support/meter.ts';
 import { decimesh, temporaryDirectory } from './support/program.ts';
 
@@ -90,3 +91,79 @@ for (const name of ['fandisk', 'rocker-arm'] as const) {
     expect(max).toBeGreaterThan(written.report.deviation?.max ?? Infinity);
   });
 }
+
+describe('what is refused', () => {
+  /** A grid of points in the plane, two triangles a cell, and what is too far away around each. */
+  const plane = (size: number, far: (x: number, y: number) => number): { positions: Float32Array; indices: Uint32Array; surroundings: Float32Array } => {
+    const [positions, indices, surroundings]: [number[], number[], number[]] = [[], [], []];
+    for (let y = 0; y <= size; y += 1) {
+      for (let x = 0; x <= size; x += 1) {
+        positions.push(x / size, y / size, 0);
+        surroundings.push(far(x, y));
+        const at = y * (size + 1) + x;
+        if (x < size && y < size) indices.push(at, at + 1, at + size + 1, at + 1, at + size + 2, at + size + 1);
+      }
+    }
+    return { positions: Float32Array.from(positions), indices: Uint32Array.from(indices), surroundings: Float32Array.from(surroundings) };
+  };
+  const original = plane(100, () => 0);
+  const weighted = (weights: Float32Array): Array<[number, number]> =>
+    [...weights.keys()].filter((at) => weights[at]! > 0).map((at) => [original.positions[3 * at]!, original.positions[3 * at + 1]!]);
+
+  it('is what is nearest to the place that is too far away, and more of it each time', async () => {
+    const refusal = new Refusal([original.positions]);
+    const level = plane(10, (x, y) => (x === 3 && y === 7 ? 1.5 : 0.2));
+    const refuse = (): Promise<number> => refusal.refuse([level], [{ wedgeSet: 0, indices: level.indices }], 1);
+    expect(await refuse()).toBe(1);
+    const first = refusal.weights();
+    const places = weighted(first);
+    expect(places.length).toBeGreaterThan(60);
+    for (const [x, y] of places) expect(Math.max(Math.abs(x - 0.3), Math.abs(y - 0.7))).toBeLessThan(0.051);
+    expect(await refuse()).toBe(1);
+    expect(weighted(refusal.weights()).length).toBeGreaterThan(places.length);
+    expect(Math.max(...refusal.weights())).toBeGreaterThan(3 * Math.max(...first));
+  });
+
+  it('is nothing where most places are too far away, and comes on top of what was asked for', async () => {
+    const given = new Float32Array(original.positions.length / 3).fill(2);
+    const refusal = new Refusal([original.positions], given);
+    const coarse = plane(5, () => 3);
+    expect(await refusal.refuse([coarse], [{ wedgeSet: 0, indices: coarse.indices }], 1)).toBe(36);
+    expect(refusal.weights()).toEqual(given);
+    const level = plane(10, (x) => (x + 10 === 10 ? 0.97 : 0));
+    expect(await refusal.refuse([level], [{ wedgeSet: 0, indices: level.indices }], 1)).toBe(0);
+    // Near the limit counts, too.
+    expect(new Set(refusal.weights())).toEqual(new Set([2, 5]));
+  });
+
+  it('lets the others go on: fewer triangles than any level of the record within the limit', async () => {
+    // A few spikes in low hills.
+    const { positions, indices } = hills(40);
+    const spiked = positions.map((value, at) => (at % 3 === 2 ? 0.3 * value + (Math.floor(at / 3) % 397 === 200 ? 0.03 : 0) : value));
+    using document = await openDocument([{ name: 'spikes.obj', bytes: objOf({ positions: spiked, indices, attributes: {} }) }]);
+    const limit = 0.002 * document.summary.diagonal;
+    const { triangles } = await document.simplify({ maximumDeviation: limit });
+    expect((await document.measure()).max).toBeLessThanOrEqual(limit);
+    await document.level({ triangles });
+    expect((await document.measure()).max).toBeGreaterThan(limit);
+    // A time budget is for one run: there the record is searched.
+    const searched = await document.simplify({ maximumDeviation: limit, timeBudget: 60_000 });
+    expect(searched.triangles).toBeGreaterThan(triangles);
+  }, 120_000);
+
+  it('is tried again with more triangles until nothing is too far, then with fewer', async () => {
+    const asked: number[] = [];
+    await tryRefusing({ least: 10, most: 5000, start: 1000 }, async (triangles) => {
+      asked.push(triangles);
+      return { triangles, far: triangles < 1100 ? 4 : 0 };
+    });
+    expect(asked.length).toBeLessThanOrEqual(12);
+    expect(Math.min(...asked.filter((triangles) => triangles >= 1100))).toBeLessThan(1300);
+    const few: number[] = [];
+    await tryRefusing({ least: 10, most: 5000, start: 12 }, async (triangles) => (few.push(triangles), { triangles: Math.max(triangles, 14), far: 0 }));
+    expect(few).toEqual([11]);
+    let never = 0;
+    await tryRefusing({ least: 10, most: 50, start: 40 }, async (triangles) => ((never += 1), { triangles, far: 100 }));
+    expect(never).toBeLessThan(12);
+  });
+});

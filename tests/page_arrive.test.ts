@@ -73,7 +73,7 @@ describe('a model that arrives', () => {
     await page.keyboard.press('Escape');
     await status(/^Ready\. Showing/);
     expect(await slider().inputValue()).toBe('1000');
-  });
+  }, 120_000);
 
   it('waits and goes on by keyboard, and comes again', async () => {
     await openModel();
@@ -90,12 +90,12 @@ describe('a model that arrives', () => {
     expect(await figure('Time')).toBe(before);
     await page.keyboard.press(' ');
     await expect.poll(() => figure('Time'), LONG).not.toBe(before);
-    await over('none');
     await status(/^land has arrived/);
     await panel().getByRole('button', { name: 'Once more' }).click();
+    // Slowly enough to be seen.
     await status(/^First picture after/);
     await status(/^land has arrived/);
-  });
+  }, 120_000);
 
   it('has its file: what is saved is a progressive mesh, which the page opens', async () => {
     const all = await openModel(fan, {});

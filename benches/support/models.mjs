@@ -1,5 +1,5 @@
 // The bench models: OBJ text in gzip, read to bare arrays.
-import { existsSync, readFileSync } from 'node:fs';
+import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { gunzipSync } from 'node:zlib';
 import { subdivide } from './subdivide.mjs';
 
@@ -15,6 +15,18 @@ export const sixModels = ['stanford-bunny', 'igea', 'nefertiti', 'fandisk', 'roc
 export function benchModel(name) {
   const [base, times = '1'] = name.split('*');
   return subdivide(loadModel(base), Math.log2(Number(times)) / 2);
+}
+
+/** The same models as others, under another name or format. */
+const TWICE = /^(bun_zipper|bunny70k|igea\.ply)/;
+
+/** All bench models and scans but those that are there twice, as `{ name, read() }`: a file name and its bytes. */
+export function allModels() {
+  const directories = [folder, new URL('../scans/', folder)].filter((directory) => existsSync(directory));
+  return directories
+    .flatMap((directory) => readdirSync(directory).map((file) => ({ name: file.replace(/\.gz$/, ''), url: new URL(file, directory) })))
+    .filter(({ name }) => !TWICE.test(name))
+    .map(({ name, url }) => ({ name, read: () => (url.pathname.endsWith('.gz') ? gunzipSync(readFileSync(url)) : readFileSync(url)) }));
 }
 
 /** Positions and indices of one model by its base name, e.g. `stanford-bunny`. */
