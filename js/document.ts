@@ -2,7 +2,6 @@
 
 import { levelGeometry, progressiveSource } from './document/arrays.js';
 import { runInEngine } from './document/engine_run.js';
-import { simplifyWithin } from './document/within.js';
 import { writeLevels, type LevelState, type Written } from './document/write.js';
 import type { EngineObject } from './engine.js';
 import { DecimeshError, invalidArgument } from './errors.js';
@@ -79,7 +78,10 @@ export class Document {
    */
   async simplify(options: DocumentSimplifyOptions & RunOptions = {}): Promise<LevelSummary> {
     checkNames(options, [...DOCUMENT_SIMPLIFY_NAMES, ...RUN_NAMES]);
-    if (options.maximumDeviation !== undefined) return (this.#level = await simplifyWithin(this, options));
+    if (options.maximumDeviation !== undefined) {
+      const { simplifyWithin } = await import('./document/within.js');
+      return (this.#level = await simplifyWithin(this, options));
+    }
     const request: SimplifyRequest = { everyLevel: !hasTarget(options), ...resolveRequest(options, this.summary) };
     // Where every level counts, others will be asked for, and are to be there at once.
     request.indexLevels = request.everyLevel === true && request.keepLevels !== true;

@@ -11,13 +11,13 @@ import { Stop, at, isMain, main } from './project.mjs';
  * The parts. A file is of the first whose pattern fits its name; what fits none is of the app and counts.
  *
  * `shell`: what the first screen needs. `app`: what opening and simplifying a GLB needs besides, with the codecs that
- * are small. `on demand`: Draco, progressive meshes and watching one arrive, preparation, painting and languages other than English, each loaded for who needs it. `instead`: loaded in
+ * are small. `on demand`: Draco, progressive meshes and watching one arrive, preparation, painting, limits of the measured deviation and languages other than English, each loaded for who needs it. `instead`: loaded in
  * place of a part of the app by browsers without SIMD or without canvases in workers. `samples`: models and pictures.
  */
 const PATTERNS = [
   ['shell', /^(index\.html|assets\/index-[^/]*\.(js|css)|assets\/favicon-[^/]*|manifest\.webmanifest)$/],
   ['samples', /\.(glb|webp)$/],
-  ['on demand', /^assets\/(draco_[^/]*|(de|es|it|ja|zh|painter|painting|prepare|progressive|split_coder|to_glb)-[^/]*\.(js|css)|arrival[^/]*)$/],
+  ['on demand', /^assets\/(draco_[^/]*|(de|es|it|ja|zh|painter|painting|prepare|progressive|split_coder|to_glb|within)-[^/]*\.(js|css)|arrival[^/]*)$/],
   ['instead', /^assets\/(decimesh_scalar-[^/]*|view-host-[^/]*)$/],
   ['installed', /^(icons\/|service-worker\.js$)/],
 ];

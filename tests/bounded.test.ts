@@ -64,7 +64,7 @@ it('the level that is selected was measured and is within the limit', async () =
   const aborted = document.simplify({ maximumDeviation: '0.1%', signal: controller.signal, onProgress: (fraction) => fraction > 0.4 && controller.abort(new Error('enough')) });
   await expect(aborted).rejects.toThrow('enough');
   expect((await document.write()).report.output.triangles).toBe(document.summary.triangles);
-});
+}, 120_000);
 
 it('on the command line', async () => {
   const directory = temporaryDirectory();

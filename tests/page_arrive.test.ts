@@ -1,41 +1,27 @@
 // A model arriving as a progressive mesh, as people watch it: played, paused, begun again, saved, refused, and left.
 import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import type { AxeResults } from 'axe-core';
 import { decodeProgressive } from 'decimesh/progressive';
 import type { Page } from 'playwright-core';
-import { afterAll, afterEach, beforeAll, describe, expect, it } from 'vitest';
-import { at } from '../scripts/project.mjs';
+import { describe, expect, it } from 'vitest';
 import { Connection } from '../www/arrival/connection.ts';
-import { dropFiles, startPage } from './support/browser.mjs';
+import { violationsOf } from './support/axe.ts';
+import { dropFiles } from './support/browser.mjs';
 import { hills, plyOf } from './support/meshes.ts';
-import { LONG, openPanelPage, type PanelPage } from './support/panel_page.ts';
+import { LONG, sample, usePages, type PageOptions } from './support/pages.ts';
 
-const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-const fan = { name: 'desk-fan.glb', bytes: readFileSync(at('www', 'samples', 'desk-fan.glb')) };
 const land = { name: 'land.ply', bytes: plyOf(hills(60)) };
 
-let served: Awaited<ReturnType<typeof startPage>>;
+const pages = usePages({ viewport: { width: 1280, height: 900 } });
+const { status } = pages;
 let page: Page;
-let problems: string[];
-let status: PanelPage['status'];
-
-beforeAll(async () => {
-  served = await startPage();
-});
-afterAll(() => served?.close());
-afterEach(async () => {
-  await page?.context().close();
-  expect(problems).toEqual([]);
-});
 
 const panel = () => page.getByRole('region', { name: 'Watch it arrive' });
 const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true });
 const figure = async (name: string): Promise<string> => panel().locator('.figure').filter({ hasText: name }).locator('.after').innerText();
 const count = (text: string): number => Number(text.replace(/\D/g, ''));
 
-async function openModel(file = land, options: Parameters<typeof openPanelPage>[2] = { picture: true }): Promise<number> {
-  ({ page, problems, status } = await openPanelPage(served.browser, served.url, options));
+async function openModel(file: { readonly name: string; readonly bytes: Uint8Array } = land, options: PageOptions = {}): Promise<number> {
+  page = await pages.open(options);
   await dropFiles(page, [file]);
   await status(/^Ready/);
   return Number(await slider().inputValue());
@@ -48,12 +34,6 @@ async function watch(): Promise<void> {
 }
 
 const over = (speed: string): Promise<string[]> => panel().getByRole('combobox', { name: 'Connection' }).selectOption(speed);
-const violations = async (): Promise<unknown[]> => {
-  await page.evaluate(AXE);
-  const { violations: found } = await page.evaluate(() => (globalThis as unknown as { axe: { run(): Promise<AxeResults> } }).axe.run());
-  return found.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]);
-};
-
 describe('a model that arrives', () => {
   it('is seen coarse at first and whole at last, and gives the panel back', async () => {
     const all = await openModel();
@@ -98,7 +78,7 @@ describe('a model that arrives', () => {
   }, 120_000);
 
   it('has its file: what is saved is a progressive mesh, which the page opens', async () => {
-    const all = await openModel(fan, {});
+    const all = await openModel(sample('desk-fan.glb'), { picture: false });
     await watch();
     const button = panel().getByRole('button', { name: 'Download .pmesh' });
     await expect.poll(() => button.isEnabled(), LONG).toBe(true);
@@ -115,35 +95,33 @@ describe('a model that arrives', () => {
   });
 
   it('comes in steps where less motion is asked for', async () => {
-    await openModel(land, {});
+    await openModel(land, { picture: false });
     await watch();
     const smooth = panel().getByRole('checkbox', { name: 'Smooth transitions' });
     expect([await smooth.isChecked(), await smooth.isDisabled()]).toEqual([false, true]);
   });
 
   it('is refused in a sentence where it cannot come', async () => {
-    await openModel(land, { serviceWorkers: 'block' });
+    await openModel(land, { picture: false, serviceWorkers: 'block' });
     await page.context().route('**/arrival-worker-*.js', (route) => route.abort());
     await watch();
     await page.locator('.notice').filter({ hasText: 'worker-lost' }).waitFor(LONG);
     expect(await slider().isVisible()).toBe(true);
-    // The browser tells of the request.
-    problems.length = 0;
+    pages.forgive('ERR_FAILED');
   });
 
   it.each(['light', 'dark'] as const)('has nothing that axe-core objects to, in the %s', async (colorScheme) => {
     await openModel(land, { colorScheme, viewport: { width: 360, height: 760 } });
     await watch();
-    expect(await violations()).toEqual([]);
+    expect(await violationsOf(page)).toEqual([]);
     await status(/^land has arrived/);
-    expect(await violations()).toEqual([]);
+    expect(await violationsOf(page)).toEqual([]);
     expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(360);
   });
 });
 
 describe('a connection', () => {
   it('hands over what is due by its clock, nothing while it is paused, and all at infinite speed', async () => {
-    problems = [];
     let now = 0;
     const bytes = Uint8Array.from({ length: 5000 }, (_, index) => index);
     const connection = new Connection(bytes, 1000, () => now);
