@@ -216,9 +216,11 @@ export interface MeshSimplifyOptions extends SimplifyOptions {
 export interface DocumentSimplifyOptions extends SimplifyOptions {
   /**
    * The largest distance of either surface from the other that may be measured: a number > 0 in model units, or `'0.1%'` of
-   * the bounding box's diagonal. Records every level and selects the coarsest found whose maximum, measured both ways with a
-   * million samples on each side beside vertices and edges, is below it by 4 %, for what lies between the samples. Takes
-   * about ten measurements. Beside other targets, the first that is reached counts. Default: nothing is measured.
+   * the bounding box's diagonal. Records every level, and selects the coarsest level found whose maximum, measured both ways
+   * with a million samples on each side beside vertices and edges, is below it by 4 %, for what lies between the samples.
+   * Collapses that would lead beyond it are refused, and others go on, unless there is a `timeBudget` or a `weightAttribute`:
+   * then the level is one of the record. Takes about a dozen runs and measurements. Beside other targets, the first that is
+   * reached counts. Default: nothing is measured.
    */
   readonly maximumDeviation?: number | `${number}%` | undefined;
   /**
