@@ -120,6 +120,8 @@ export type ViewReply =
   | { readonly type: 'paint'; readonly paint: PaintReply }
   /** The graphics card is done with the picture that was asked for. */
   | { readonly type: 'drawn'; readonly id: number }
+  /** The picture on screen is what the first `requests` requests asked for, and nothing in it moves. */
+  | { readonly type: 'still'; readonly requests: number }
   | { readonly type: 'failed'; readonly id: number | null; readonly message: string }
   | { readonly type: 'context-lost' }
   | { readonly type: 'context-restored' };

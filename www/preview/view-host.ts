@@ -66,7 +66,15 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
       .catch((error: unknown) => console.error(error));
   };
 
-  return (request) => {
+  let requests = 0;
+  const replyStill = async (): Promise<void> => {
+    const after = requests;
+    const isLast = (): boolean => requests === after;
+    await painting;
+    if ((await viewer?.still(isLast)) === true) reply({ type: 'still', requests: after });
+  };
+
+  const take = (request: ViewRequest): void => {
     switch (request.type) {
       case 'start':
         try {
@@ -115,6 +123,12 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
       case 'camera':
         viewer?.moveCamera(request.moves);
     }
+  };
+
+  return (request) => {
+    requests += 1;
+    take(request);
+    void replyStill();
   };
 }
 

@@ -20,6 +20,9 @@ export interface ViewEvents {
   onInsets(insets: Insets): void;
 }
 
+/** The canvas has this attribute while its picture is the one that was asked for last and nothing in it moves. */
+const STILL = 'data-still';
+
 interface Pending {
   resolve(contents: ViewContents): void;
   reject(reason: Error): void;
@@ -31,6 +34,7 @@ export class View {
   private readonly pending = new Map<number, Pending>();
   private readonly drawing = new Map<number, () => void>();
   private unavailable = false;
+  private requests = 0;
   private lastId = 0;
   private insets: Insets = { top: 0, right: 0, bottom: 0, left: 0 };
   private moves: CameraMove[] = [];
@@ -152,7 +156,10 @@ export class View {
   }
 
   private post(request: ViewRequest, transfer: Transferable[] = []): void {
-    if (!this.unavailable) this.send(request, transfer);
+    if (this.unavailable) return;
+    this.requests += 1;
+    this.canvas.removeAttribute(STILL);
+    this.send(request, transfer);
   }
 
   private receive(reply: ViewReply): void {
@@ -164,6 +171,9 @@ export class View {
       case 'drawn':
         this.drawing.get(reply.id)?.();
         this.drawing.delete(reply.id);
+        break;
+      case 'still':
+        if (reply.requests === this.requests) this.canvas.setAttribute(STILL, '');
         break;
       case 'failed':
         if (reply.id === null) this.giveUp(reply.message);
