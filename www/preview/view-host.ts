@@ -4,7 +4,9 @@ import { disposeModel, loadModel } from './load.ts';
 import type { LoadedModel } from './load.ts';
 import type { Painter } from '../paint/painter.ts';
 import type { PaintRequest } from '../paint/protocol.ts';
-import type { EdgeCounts, ViewReply, ViewRequest } from './protocol.ts';
+import { readScene } from '../scene.ts';
+import { readPlainGlb } from './plain.ts';
+import type { EdgeCounts, PlainFile, ViewReply, ViewRequest } from './protocol.ts';
 import { Viewer } from './viewer.ts';
 
 /** Makes a function that takes requests, in order; `reply` gets the answers. */
@@ -20,12 +22,19 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
     edgesTold = counts !== null;
   };
 
-  const load = async (id: number, bytes: Uint8Array): Promise<void> => {
+  const load = async (id: number, content: Uint8Array | Blob): Promise<void> => {
     try {
+      let file: PlainFile | null = null;
+      let bytes = content;
+      if (bytes instanceof Blob) {
+        const plain = await readPlainGlb(bytes);
+        bytes = plain.bytes;
+        file = { parts: plain.parts, scene: readScene(plain.bytes) };
+      }
       const model = await loadModel(bytes);
       if (discarded.delete(id)) return disposeModel(model);
       loaded.set(id, model);
-      reply({ type: 'loaded', id, contents: contentsOf(model) });
+      reply({ type: 'loaded', id, contents: contentsOf(model), file });
     } catch (error) {
       if (!discarded.delete(id)) reply({ type: 'failed', id, message: messageOf(error) });
     }
@@ -92,7 +101,7 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
         }
         break;
       case 'load':
-        void load(request.id, request.bytes);
+        void load(request.id, request.content);
         break;
       case 'show':
         show(request.model);
