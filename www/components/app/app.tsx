@@ -113,7 +113,7 @@ function ModelPanel({ state, model, actions }: { readonly state: State; readonly
   const outputCurrent = isOutputCurrent(state);
   const sheets = { options: t('panel.options'), details: t('panel.details') };
   return (
-    <main class="workspace">
+    <main class={model.drawn ? 'workspace' : 'workspace waiting'}>
       <Compare
         layout={state.paint === null ? state.view.layout : 'single'}
         split={state.view.split}
