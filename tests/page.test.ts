@@ -10,13 +10,14 @@ import { dropFiles } from './support/browser.mjs';
 import { INVALID_FILES, WITHOUT_TRIANGLES } from './support/invalid_files.ts';
 import { ONE_PIXEL, hills, plyOf } from './support/meshes.ts';
 import { LONG, sample, usePages, type PageOptions } from './support/pages.ts';
+import { pictureNow, stillPicture } from './support/picture.ts';
 import { gltfErrors } from './support/validate.ts';
 
 const fixture = (...path: string[]): Buffer => readFileSync(at('tests', 'fixtures', ...path));
 const fan = sample('desk-fan.glb');
 const nefertiti = sample('nefertiti.glb');
 
-const pages = usePages({ viewport: { width: 1100, height: 760 }, serviceWorkers: 'block' });
+const pages = usePages({ viewport: { width: 1100, height: 760 }, serviceWorkers: 'block', plainGround: true });
 let page: Page;
 
 async function openPage(options: PageOptions = {}): Promise<void> {
@@ -484,9 +485,9 @@ describe('the quality', () => {
 });
 
 describe('the view', () => {
-  // Byte for byte: nothing moves, and the software renderer draws the same picture every time.
-  const picture = (): Promise<Buffer> => page.screenshot({ clip: { x: 200, y: 100, width: 700, height: 380 } });
-  const pictureBecomes = (test: (now: Buffer) => boolean) => expect.poll(async () => test(await picture()), LONG).toBe(true);
+  const AREA = { x: 200, y: 100, width: 700, height: 380 };
+  const picture = (): Promise<Buffer> => stillPicture(page, AREA);
+  const pictureBecomes = (test: (now: Buffer) => boolean) => expect.poll(async () => test(await pictureNow(page, AREA)), LONG).toBe(true);
 
   it('shows the model, orbits, draws edges and compares with the original', async () => {
     await openPage();

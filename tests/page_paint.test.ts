@@ -5,12 +5,13 @@ import { openDocument } from 'decimesh';
 import { violationsOf } from './support/axe.ts';
 import { dropFiles } from './support/browser.mjs';
 import { LONG, sample, usePages, type PageOptions } from './support/pages.ts';
+import { pictureNow, stillPicture } from './support/picture.ts';
 
 const fan = sample('desk-fan.glb');
 /** Of so few triangles that pictures and runs are quick. */
 let nefertiti: { name: string; bytes: Uint8Array };
 
-const pages = usePages({ viewport: { width: 1100, height: 760 }, serviceWorkers: 'block' });
+const pages = usePages({ viewport: { width: 1100, height: 760 }, serviceWorkers: 'block', plainGround: true });
 const { status } = pages;
 let page: Page;
 
@@ -49,18 +50,16 @@ async function drag(from: readonly [number, number], to: readonly [number, numbe
   await page.mouse.up(options);
 }
 
-// Byte for byte: nothing moves, and the software renderer draws the same picture every time. Without the brush's ring.
+const AREA = { x: 440, y: 190, width: 220, height: 240 };
+// Without the brush's ring.
 const picture = async (): Promise<Buffer> => {
   await page.mouse.move(900, 220);
-  return page.screenshot({ clip: { x: 440, y: 190, width: 220, height: 240 } });
+  return pictureNow(page, AREA);
 };
 
 async function stablePicture(): Promise<Buffer> {
-  for (let before = await picture(); ; ) {
-    const now = await picture();
-    if (now.equals(before)) return now;
-    before = now;
-  }
+  await page.mouse.move(900, 220);
+  return stillPicture(page, AREA);
 }
 
 describe('the brush', () => {

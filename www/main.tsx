@@ -68,7 +68,7 @@ const view = new View(
 let painting: Painting | null = null;
 const store = { get value() { return state.peek(); }, update };
 const client = createWorkerClient();
-const session = new Session(store, client, view);
+const session = new Session(store, client, view, layOut);
 const batch = new Batch(store, client);
 
 const dockObserver = new ResizeObserver(() => view.setInsets(insetsOf(host)));
@@ -123,13 +123,14 @@ const HEAT_PAUSE = 400;
 let heatTimer: ReturnType<typeof setTimeout> | undefined;
 let loadUpdate = (): void => {};
 let drawing = false;
+let drawn = Promise.resolve();
 let observedDock: Element | null = null;
 effect(() => {
   void state.value;
   if (drawing) return;
   drawing = true;
   // Changes that come together are drawn together.
-  queueMicrotask(() => {
+  drawn = drawn.then(() => {
     drawing = false;
     render(<App state={state.peek()} actions={actions} arrival={arrival?.panel(state.peek())} />, host);
     observeDock(host);
@@ -282,6 +283,12 @@ function watch<T>(select: (state: State) => T, act: (value: T) => void): void {
     last = { value };
     act(value);
   });
+}
+
+/** Tells the view at once what of it is free, with the state as it is now drawn: an observer tells with the next frame. */
+async function layOut(): Promise<void> {
+  await drawn;
+  if (host !== null) view.setInsets(insetsOf(host));
 }
 
 /** Sees to it that a dock that has come or gone is known; a ResizeObserver tells when its size has settled. */

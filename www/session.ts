@@ -5,6 +5,8 @@ import type { DocumentProxy, DocumentSummary, Report, WorkerClient } from 'decim
 import { isChain, runKey } from './choices.ts';
 import type { Goal } from './choices.ts';
 import { describeError } from './describe_error.ts';
+import { readEarly } from './early.ts';
+import type { EarlyModel } from './early.ts';
 import { baseName, modelFile, relativeToModel } from './files.ts';
 import { formatShare } from './format.ts';
 import { encodingFor, writeOptions } from './encoding.ts';
@@ -12,10 +14,11 @@ import { blobOf, save } from './formats.ts';
 import type { Quality } from './formats.ts';
 import { t } from './messages/messages.ts';
 import { heatLimit } from './preview/heat.ts';
-import type { View } from './preview/view.ts';
+import type { PreparedModel, View } from './preview/view.ts';
 import { NO_PREPARATION, preparationKey, prepareOptions } from './preparation.ts';
 import { fetchModel } from './remote.ts';
 import { readScene } from './scene.ts';
+import type { SceneNode } from './scene.ts';
 import * as transitions from './state.ts';
 import type { Model, Origin, State } from './state.ts';
 import { countMeshes, fitFor, fitOfFile, goalKey, simplifyOptions, wishKey } from './wishes.ts';
@@ -40,6 +43,17 @@ interface WrittenFile {
   readonly key: string;
   readonly bytes: Uint8Array;
   readonly loss: string;
+}
+
+/** What the view gets of a model at first, and its size. */
+const FULL_DETAIL = { format: 'glb', compress: 'none' } as const;
+
+/** A model that can be shown. */
+interface PreparedDocument {
+  readonly prepared: PreparedModel;
+  readonly scene: readonly SceneNode[];
+  /** The size of the file that the engine wrote for it; null: it wrote none. */
+  readonly written: { readonly bytes: { readonly byteLength: number }; readonly report: Report } | null;
 }
 
 /** The document behind the model on screen. */
@@ -83,6 +97,8 @@ export class Session {
     private readonly store: Store,
     private readonly client: WorkerClient,
     private readonly view: View,
+    /** Resolves when the page is laid out with what the state says, and the view knows what of it is free. */
+    private readonly layOut: () => Promise<void>,
   ) {}
 
   /** Opens a model from its files, in place of the one before if that works. */
@@ -243,21 +259,13 @@ export class Session {
   private async replaceDocument(files: File[], from: Pick<Model, 'fileName' | 'credit' | 'origin'>, signal: AbortSignal): Promise<void> {
     this.store.update((state) => transitions.taskProgressed(state, null));
     const onProgress = (fraction: number): void => this.store.update((state) => transitions.taskProgressed(state, fraction));
-    const document = await this.client.openDocument(files, { signal, onProgress });
+    const early = readEarly(this.view, files);
+    const document = await this.client.openDocument(files, { signal, onProgress }).catch((error: unknown) => {
+      early.drop();
+      throw error;
+    });
     try {
-      signal.throwIfAborted();
-      const none = document.summary.warnings.find(({ code }) => code === 'no-triangles');
-      // The library passes it through; here there would be nothing to see or to choose.
-      if (none !== undefined) throw new DecimeshError('no-triangles', none.message, none.where);
-      const { bytes, report } = await document.write({ format: 'glb', compress: 'none' });
-      signal.throwIfAborted();
-      // The view takes the bytes over.
-      const { byteLength } = bytes;
-      const scene = readScene(bytes);
-      const prepared = await this.view.load(bytes);
-      if (signal.aborted) prepared.discard();
-      signal.throwIfAborted();
-
+      const { prepared, scene, written } = await this.prepare(document, early, signal);
       for (const controller of [this.current?.measuring, this.current?.recording]) controller?.abort(superseded());
       this.current?.document.dispose();
       const { summary } = document;
@@ -267,30 +275,64 @@ export class Session {
         transitions.modelOpened(state, {
           ...from,
           name: baseName(from.fileName),
-          parts: report.input.parts,
           scene,
           source: summary,
           warnings: summary.warnings,
           animations: prepared.animations,
         }),
       );
-      this.tellSize(byteLength, report, {
-        format: 'glb', encoding: 'none', preparation: preparationKey('glb', NO_PREPARATION), wantedTriangles: summary.triangles, lods: [],
-      });
-      // The panel first: with few cores, drawing and simplifying would keep the page from laying it out.
-      await afterNextPaint();
+      // With the panel in its place the picture need not be drawn twice.
+      await this.layOut();
       if (this.current !== open) return prepared.discard();
       const drawn = prepared.show().then(() => {
         if (this.current === open) this.store.update(transitions.modelDrawn);
       });
       // The picture next: side by side with the recording both would take as long as one after the other.
-      await Promise.race([drawn, new Promise((resolve) => setTimeout(resolve, PICTURE_TIME))]);
+      await Promise.race([drawn, delay(PICTURE_TIME)]);
       if (this.current !== open) return;
+      void this.tellFullSize(open, written);
       if (signal.aborted) this.store.update((state) => transitions.recordingEnded(state, t('status.cancelledRecording')));
       else void this.record(open);
     } catch (error) {
       if (this.current?.document !== document) document.dispose();
       throw error;
+    }
+  }
+
+  /** The model for the view: of the file itself where that is enough, else of what the engine writes. */
+  private async prepare(document: DocumentProxy, early: EarlyModel, signal: AbortSignal): Promise<PreparedDocument> {
+    const none = document.summary.warnings.find(({ code }) => code === 'no-triangles');
+    if (signal.aborted || none !== undefined) early.drop();
+    signal.throwIfAborted();
+    // The library passes it through; here there would be nothing to see or to choose.
+    if (none !== undefined) throw new DecimeshError('no-triangles', none.message, none.where);
+    const plain = await early.take(document.summary);
+    if (plain !== null) {
+      if (signal.aborted) plain.model.discard();
+      signal.throwIfAborted();
+      return { prepared: plain.model, scene: plain.scene, written: null };
+    }
+    const { bytes, report } = await document.write(FULL_DETAIL);
+    signal.throwIfAborted();
+    // The view takes the bytes over.
+    const written = { bytes: { byteLength: bytes.byteLength }, report };
+    const scene = readScene(bytes);
+    const prepared = await this.view.load(bytes);
+    if (signal.aborted) prepared.discard();
+    signal.throwIfAborted();
+    return { prepared, scene, written };
+  }
+
+  /** Tells how large the file is at full detail, and where its bytes are; writes it for that unless it is `written`. */
+  private async tellFullSize(open: OpenDocument, written: PreparedDocument['written']): Promise<void> {
+    try {
+      const { bytes, report } = written ?? (await open.document.write(FULL_DETAIL));
+      if (this.current !== open) return;
+      this.tellSize(bytes.byteLength, report, {
+        format: 'glb', encoding: 'none', preparation: preparationKey('glb', NO_PREPARATION), wantedTriangles: open.document.summary.triangles, lods: [],
+      });
+    } catch {
+      // It is written once more when nothing else is to be done, and then what is wrong is told.
     }
   }
 
@@ -503,7 +545,7 @@ export class Session {
   }
 
   private tellSize(bytes: number, report: Report, wish: Pick<transitions.Output, 'format' | 'encoding' | 'preparation' | 'wantedTriangles' | 'lods'>): void {
-    this.store.update((state) => transitions.outputMeasured(state, { ...wish, bytes, parts: report.output.parts, levels: report.lods ?? [] }));
+    this.store.update((state) => transitions.outputMeasured(transitions.inputMeasured(state, report.input.parts), { ...wish, bytes, parts: report.output.parts, levels: report.lods ?? [] }));
   }
 
   /** Waits until wishes settle; true when a new one came meanwhile. */
@@ -547,13 +589,7 @@ export class Session {
 
 const superseded = (): DOMException => new DOMException('Superseded.', 'AbortError');
 
-/** Resolves when the page has been painted with what it knows now, and soon where nothing is painted. */
-const afterNextPaint = (): Promise<void> =>
-  new Promise((resolve) => {
-    requestAnimationFrame(() => setTimeout(resolve));
-    // A tab in the background has no frames.
-    setTimeout(resolve, 200);
-  });
+const delay = (milliseconds: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
 /** What the live region says of a measurement. */
 function describeDeviation({ max, mean, relativeTo }: { max: number; mean: number; relativeTo: number }): string {

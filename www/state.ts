@@ -224,6 +224,9 @@ export const fittingEnded = (state: State): State =>
 /** The first picture of the model is on screen. */
 export const modelDrawn = (state: State): State => withModel(state, (model) => ({ ...model, drawn: true }));
 
+/** Tells where the bytes of the file are. */
+export const inputMeasured = (state: State, parts: Model['parts']): State => withModel(state, (model) => ({ ...model, parts }));
+
 export const outputMeasured = (state: State, output: Output): State => withModel(state, (model) => ({ ...model, output }));
 
 /** Whether the size that is known is that of what Download would save. */

@@ -43,9 +43,9 @@ export async function startPage(directory = at('site'), more = []) {
 /**
  * Lets the user of `page` drop files on the window, as the browser does it: real File objects in a DataTransfer.
  *
- * `files` is a list of `{ name, bytes }`.
+ * `files` is a list of `{ name, bytes }`; they are held over the window for `hover` milliseconds.
  */
-export async function dropFiles(page, files) {
+export async function dropFiles(page, files, hover = 0) {
   const transfer = await page.evaluateHandle((list) => {
     const data = new DataTransfer();
     for (const { name, base64 } of list) {
@@ -56,6 +56,7 @@ export async function dropFiles(page, files) {
   }, files.map(({ name, bytes }) => ({ name, base64: Buffer.from(bytes).toString('base64') })));
   await page.dispatchEvent('body', 'dragenter', { dataTransfer: transfer });
   await page.dispatchEvent('body', 'dragover', { dataTransfer: transfer });
+  if (hover > 0) await page.waitForTimeout(hover);
   await page.dispatchEvent('body', 'drop', { dataTransfer: transfer });
   await transfer.dispose();
 }

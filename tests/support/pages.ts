@@ -4,6 +4,7 @@ import type { BrowserContextOptions, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect } from 'vitest';
 import { at } from '../../scripts/project.mjs';
 import { startPage } from './browser.mjs';
+import { makeGroundPlain } from './picture.ts';
 
 /** For what takes long on two busy cores; less than a test may take, so that it is told what was waited for. */
 export const LONG = { timeout: 50_000 };
@@ -16,6 +17,8 @@ export interface PageOptions extends BrowserContextOptions {
   readonly before?: () => void;
   /** `false` takes WebGL away, which takes a processor most of its time, and puts the notice about that away. Default: true. */
   readonly picture?: boolean;
+  /** For pictures that are compared byte for byte. Default: false. */
+  readonly plainGround?: boolean;
 }
 
 /** The pages of one file of tests. */
@@ -56,7 +59,7 @@ export function usePages({ directory, ...defaults }: PageOptions & { readonly di
       return served.url;
     },
     async open(options = {}) {
-      const { path = '', before, picture = true, ...context } = { ...defaults, ...options };
+      const { path = '', before, picture = true, plainGround = false, ...context } = { ...defaults, ...options };
       page = await (await served.browser.newContext({ reducedMotion: 'reduce', ...context })).newPage();
       page.setDefaultTimeout(LONG.timeout);
       page.on('console', (message) => {
@@ -64,6 +67,7 @@ export function usePages({ directory, ...defaults }: PageOptions & { readonly di
         if (message.type() === 'error' && !(!picture && message.text().includes('WebGL'))) problems.push(message.text());
       });
       page.on('pageerror', (error) => problems.push(String(error)));
+      if (plainGround) await makeGroundPlain(page);
       if (!picture) await page.addInitScript(takeWebGLAway);
       if (before !== undefined) await page.addInitScript(before);
       await page.goto(served.url + path);

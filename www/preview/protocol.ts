@@ -2,6 +2,8 @@
 // compiling shaders and sending a large mesh to the graphics card can take long, and the page must not wait for it.
 import type { LevelGeometry } from 'decimesh';
 import type { PaintReply, PaintRequest } from '../paint/protocol.ts';
+import type { SceneNode } from '../scene.ts';
+import type { PlainPart } from './plain.ts';
 
 /** Pixels at each side of the view that something covers. */
 export interface Insets {
@@ -60,6 +62,12 @@ export interface ViewContents {
   readonly textureCoordinates: boolean;
 }
 
+/** What the view has read in a plain GLB. */
+export interface PlainFile {
+  readonly scene: readonly SceneNode[];
+  readonly parts: readonly PlainPart[];
+}
+
 /** Edges of the geometry on screen by class, each counted once. */
 export interface EdgeCounts {
   /** Of one triangle alone. */
@@ -92,8 +100,8 @@ export type CameraMove =
 export type ViewRequest =
   /** Comes first. Answered by `failed` without an id when there is no WebGL2. */
   | { readonly type: 'start'; readonly canvas: OffscreenCanvas | HTMLCanvasElement; readonly reducedMotion: boolean }
-  /** Parses a GLB; answered by `loaded` or `failed`. It is not shown yet. */
-  | { readonly type: 'load'; readonly id: number; readonly bytes: Uint8Array }
+  /** Parses a GLB, if it is a file a plain one; answered by `loaded` or `failed`. It is not shown yet. */
+  | { readonly type: 'load'; readonly id: number; readonly content: Uint8Array | Blob }
   /** Shows what was loaded under `model` in place of the model before, which is freed. Answered by `drawn`. */
   | { readonly type: 'show'; readonly id: number; readonly model: number }
   /** Frees what was loaded and not shown. */
@@ -114,12 +122,14 @@ export type ViewRequest =
 
 /** From the view to the page. */
 export type ViewReply =
-  | { readonly type: 'loaded'; readonly id: number; readonly contents: ViewContents }
+  | { readonly type: 'loaded'; readonly id: number; readonly contents: ViewContents; readonly file: PlainFile | null }
   /** The classes of edges of what is drawn now; null when they are not drawn. */
   | { readonly type: 'edges'; readonly counts: EdgeCounts | null }
   | { readonly type: 'paint'; readonly paint: PaintReply }
   /** The graphics card is done with the picture that was asked for. */
   | { readonly type: 'drawn'; readonly id: number }
+  /** The picture on screen is what the first `requests` requests asked for, and nothing in it moves. */
+  | { readonly type: 'still'; readonly requests: number }
   | { readonly type: 'failed'; readonly id: number | null; readonly message: string }
   | { readonly type: 'context-lost' }
   | { readonly type: 'context-restored' };

@@ -4,7 +4,9 @@ import { disposeModel, loadModel } from './load.ts';
 import type { LoadedModel } from './load.ts';
 import type { Painter } from '../paint/painter.ts';
 import type { PaintRequest } from '../paint/protocol.ts';
-import type { EdgeCounts, ViewReply, ViewRequest } from './protocol.ts';
+import { readScene } from '../scene.ts';
+import { readPlainGlb } from './plain.ts';
+import type { EdgeCounts, PlainFile, ViewReply, ViewRequest } from './protocol.ts';
 import { Viewer } from './viewer.ts';
 
 /** Makes a function that takes requests, in order; `reply` gets the answers. */
@@ -20,12 +22,19 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
     edgesTold = counts !== null;
   };
 
-  const load = async (id: number, bytes: Uint8Array): Promise<void> => {
+  const load = async (id: number, content: Uint8Array | Blob): Promise<void> => {
     try {
+      let file: PlainFile | null = null;
+      let bytes = content;
+      if (bytes instanceof Blob) {
+        const plain = await readPlainGlb(bytes);
+        bytes = plain.bytes;
+        file = { parts: plain.parts, scene: readScene(plain.bytes) };
+      }
       const model = await loadModel(bytes);
       if (discarded.delete(id)) return disposeModel(model);
       loaded.set(id, model);
-      reply({ type: 'loaded', id, contents: contentsOf(model) });
+      reply({ type: 'loaded', id, contents: contentsOf(model), file });
     } catch (error) {
       if (!discarded.delete(id)) reply({ type: 'failed', id, message: messageOf(error) });
     }
@@ -66,7 +75,15 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
       .catch((error: unknown) => console.error(error));
   };
 
-  return (request) => {
+  let requests = 0;
+  const replyStill = async (): Promise<void> => {
+    const after = requests;
+    const isLast = (): boolean => requests === after;
+    await painting;
+    if ((await viewer?.still(isLast)) === true) reply({ type: 'still', requests: after });
+  };
+
+  const take = (request: ViewRequest): void => {
     switch (request.type) {
       case 'start':
         try {
@@ -84,7 +101,7 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
         }
         break;
       case 'load':
-        void load(request.id, request.bytes);
+        void load(request.id, request.content);
         break;
       case 'show':
         show(request.model);
@@ -115,6 +132,12 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
       case 'camera':
         viewer?.moveCamera(request.moves);
     }
+  };
+
+  return (request) => {
+    requests += 1;
+    take(request);
+    void replyStill();
   };
 }
 

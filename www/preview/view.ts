@@ -2,7 +2,7 @@
 import type { LevelGeometry } from 'decimesh';
 import type { PaintReply, PaintRequest } from '../paint/protocol.ts';
 import { NO_CONTENTS } from './no-contents.ts';
-import type { CameraMove, EdgeCounts, Insets, ViewContents, ViewReply, ViewRequest, ViewSettings, ViewTheme } from './protocol.ts';
+import type { CameraMove, EdgeCounts, Insets, PlainFile, ViewContents, ViewReply, ViewRequest, ViewSettings, ViewTheme } from './protocol.ts';
 
 /** What the page is told. */
 export interface ViewEvents {
@@ -20,8 +20,13 @@ export interface ViewEvents {
   onInsets(insets: Insets): void;
 }
 
+/** The canvas has this attribute while its picture is the one that was asked for last and nothing in it moves. */
+const STILL = 'data-still';
+
+type Loaded = Pick<ViewReply & { type: 'loaded' }, 'contents' | 'file'>;
+
 interface Pending {
-  resolve(contents: ViewContents): void;
+  resolve(loaded: Loaded): void;
   reject(reason: Error): void;
 }
 
@@ -31,6 +36,7 @@ export class View {
   private readonly pending = new Map<number, Pending>();
   private readonly drawing = new Map<number, () => void>();
   private unavailable = false;
+  private requests = 0;
   private lastId = 0;
   private insets: Insets = { top: 0, right: 0, bottom: 0, left: 0 };
   private moves: CameraMove[] = [];
@@ -47,13 +53,27 @@ export class View {
 
   /** Parses `bytes`, a GLB, which are transferred; resolves to a model that can be shown, or rejects with the reason. */
   async load(bytes: Uint8Array): Promise<PreparedModel> {
-    if (this.unavailable) return { animations: [], show: () => Promise.resolve(), discard: () => {} };
+    return (await this.prepare(bytes, [bytes.buffer as ArrayBuffer])).model;
+  }
+
+  /** The same for a file as it is, which is read by the view; null if that is no plain GLB or cannot be shown. */
+  async loadPlain(content: Blob): Promise<PlainModel | null> {
+    try {
+      const { model, file } = await this.prepare(content, []);
+      return file && { ...file, model };
+    } catch {
+      return null;
+    }
+  }
+
+  private async prepare(content: Uint8Array | Blob, transfer: Transferable[]): Promise<{ model: PreparedModel; file: PlainFile | null }> {
+    if (this.unavailable) return { model: { animations: [], show: () => Promise.resolve(), discard: () => {} }, file: null };
     const id = (this.lastId += 1);
-    const contents = await new Promise<ViewContents>((resolve, reject) => {
+    const { contents, file } = await new Promise<Loaded>((resolve, reject) => {
       this.pending.set(id, { resolve, reject });
-      this.post({ type: 'load', id, bytes }, [bytes.buffer as ArrayBuffer]);
+      this.post({ type: 'load', id, content }, transfer);
     });
-    return {
+    const model = {
       animations: contents.animations,
       show: () => {
         this.events.onContents(contents);
@@ -61,6 +81,7 @@ export class View {
       },
       discard: () => this.post({ type: 'discard', id }),
     };
+    return { model, file };
   }
 
   /**
@@ -152,18 +173,24 @@ export class View {
   }
 
   private post(request: ViewRequest, transfer: Transferable[] = []): void {
-    if (!this.unavailable) this.send(request, transfer);
+    if (this.unavailable) return;
+    this.requests += 1;
+    this.canvas.removeAttribute(STILL);
+    this.send(request, transfer);
   }
 
   private receive(reply: ViewReply): void {
     switch (reply.type) {
       case 'loaded':
-        this.pending.get(reply.id)?.resolve(reply.contents);
+        this.pending.get(reply.id)?.resolve(reply);
         this.pending.delete(reply.id);
         break;
       case 'drawn':
         this.drawing.get(reply.id)?.();
         this.drawing.delete(reply.id);
+        break;
+      case 'still':
+        if (reply.requests === this.requests) this.canvas.setAttribute(STILL, '');
         break;
       case 'failed':
         if (reply.id === null) this.giveUp(reply.message);
@@ -189,7 +216,7 @@ export class View {
   private giveUp(reason: string): void {
     if (this.unavailable) return;
     this.unavailable = true;
-    for (const { resolve } of this.pending.values()) resolve(NO_CONTENTS);
+    for (const { resolve } of this.pending.values()) resolve({ contents: NO_CONTENTS, file: null });
     for (const resolve of this.drawing.values()) resolve();
     this.pending.clear();
     this.drawing.clear();
@@ -219,6 +246,11 @@ export class View {
     };
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener('change', changed, { once: true });
   }
+}
+
+/** A plain GLB that the view has parsed, and what it says of itself. */
+export interface PlainModel extends PlainFile {
+  readonly model: PreparedModel;
 }
 
 /** A model that the view has parsed. Either `show` or `discard` is to be called, once. */

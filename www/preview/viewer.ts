@@ -130,13 +130,18 @@ export class Viewer {
 
   /** Draws what there is and resolves when the graphics card has done so, or has lost everything. */
   async drawn(): Promise<void> {
-    const gl = this.renderer.getContext() as WebGL2RenderingContext;
     // The frame that was asked for anyway, now: a large model is not to be drawn twice.
     if (this.frameRequest === 0) this.draw();
     else {
       cancelAnimationFrame(this.frameRequest);
       this.onFrame(performance.now());
     }
+    await this.cardDone();
+  }
+
+  /** Resolves when the graphics card has done all it was told, or has lost it. */
+  private async cardDone(): Promise<void> {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
     const fence = this.contextLost ? null : gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     if (fence === null) return;
     gl.flush();
@@ -145,6 +150,17 @@ export class Viewer {
       await new Promise((resolve) => setTimeout(resolve, FENCE_INTERVAL));
     }
     gl.deleteSync(fence);
+  }
+
+  /** Resolves when the last picture is on screen and nothing moves, to true; to false as soon as `isWanted` says no. */
+  async still(isWanted: () => boolean): Promise<boolean> {
+    // What was drawn in one frame is handed to the screen with the next.
+    for (let idle = 0; idle < 2; idle = this.frameRequest === 0 ? idle + 1 : 0) {
+      await new Promise(requestAnimationFrame);
+      if (!isWanted()) return false;
+    }
+    await this.cardDone();
+    return isWanted();
   }
 
   /** Swaps every group's geometry for `level`; null shows the file's own. */

@@ -124,7 +124,7 @@ function ModelPanel({ state, model, actions, arrival }: AppProps & { readonly mo
   const outputCurrent = isOutputCurrent(state);
   const sheets = { options: t('panel.options'), details: t('panel.details') };
   return (
-    <main class="workspace">
+    <main class={model.drawn ? 'workspace' : 'workspace waiting'}>
       <Compare
         layout={state.paint === null ? state.view.layout : 'single'}
         split={state.view.split}
