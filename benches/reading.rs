@@ -1,4 +1,5 @@
-//! How fast files are read, against what the machine can do at best: `cargo bench --bench reading`.
+//! How fast files are read, against what the machine can do at best: `cargo bench --bench reading`, or of some only:
+//! `cargo bench --bench reading -- glb`.
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a benchmark prints, and may stop at the first surprise")]
 
@@ -125,12 +126,21 @@ fn say_glb(what: &str, bytes: &[u8]) {
 }
 
 fn main() {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let wanted = |what: &str| words.is_empty() || words.iter().any(|word| what.contains(word.as_str()));
     let text = obj(500).into_bytes();
     let document = open("m.obj", &text);
-    say_glb("glb of one mesh", &document.write(document.mesh(), Format::Glb).unwrap());
-    say_glb("glb of 5000 meshes", &boxes(5000));
-    say("obj", &text, best(|| open("m.obj", &text)), copy(&text));
-    for format in Format::OUTPUT.into_iter().filter(|format| !matches!(format, Format::Obj | Format::Glb)) {
+    if wanted("glb of one mesh") {
+        say_glb("glb of one mesh", &document.write(document.mesh(), Format::Glb).unwrap());
+    }
+    if wanted("glb of 5000 meshes") {
+        say_glb("glb of 5000 meshes", &boxes(5000));
+    }
+    if wanted("obj") {
+        say("obj", &text, best(|| open("m.obj", &text)), copy(&text));
+    }
+    let others = Format::OUTPUT.into_iter().filter(|format| !matches!(format, Format::Obj | Format::Glb));
+    for format in others.filter(|format| wanted(format.as_str())) {
         let bytes = document.write(document.mesh(), format).unwrap();
         say(format.as_str(), &bytes, best(|| open("m", &bytes)), copy(&bytes));
     }
