@@ -2,7 +2,8 @@
 //!
 //! The tree is never rebuilt, so what is not understood here survives: materials, extensions,
 //! extras, names, order. [`container`] takes GLB files apart, [`schema`] reads and checks what
-//! the geometry needs of the JSON ([`spot`] knows the paths), [`accessor`] decodes, [`read`] makes the mesh; [`write()`] puts a mesh back, with
+//! the geometry needs of the JSON ([`spot`] knows the paths), [`plan`] finds the triangles' accessors, which [`accessor`] checks
+//! and decodes, [`read`] makes the mesh; [`write()`] puts a mesh back, with
 //! [`usage`] to know what else needs a buffer view and [`pack`] to lay out the binary chunk.
 //! [`new`] makes a tree for a mesh that came from another format.
 
@@ -17,6 +18,7 @@ mod materials;
 mod new;
 mod order;
 mod pack;
+mod plan;
 mod read;
 mod resource;
 mod scene;
@@ -72,13 +74,18 @@ struct PrimitiveSource {
     primitive: usize,
 }
 
+impl PrimitiveSource {
+    /// Its JSON path.
+    fn place(self) -> String {
+        format!("meshes[{}].primitives[{}]", self.mesh, self.primitive)
+    }
+}
+
 /// The accessors of a wedge set.
 #[derive(Debug)]
 struct SetSource {
     /// `POSITION` first, then one for each attribute of the wedge set.
     attributes: Vec<AttributeSource>,
-    /// JSON path of the first primitive that uses them.
-    place: String,
 }
 
 /// One attribute of a primitive, or of one of its morph targets.
@@ -132,8 +139,10 @@ fn read_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<Glt
         view_bytes(data, view)?;
     }
     let appearances = scene::appearances(data)?;
-    let geometry = read::geometry(data, &appearances.scales, &mut warnings)?;
-    let groups = geometry.primitives.iter().map(|source| scene::label(&tree, source.mesh, source.primitive)).collect();
+    let mut plan = plan::plan(data)?;
+    let mesh = read::geometry(data, &mut plan, &appearances.scales, &mut warnings)?;
+    let primitives: Vec<PrimitiveSource> = plan.primitives.iter().map(|planned| planned.source).collect();
+    let groups = primitives.iter().map(|source| scene::label(&tree, source.mesh, source.primitive)).collect();
     let layout = SceneLayout {
         groups,
         instances: appearances.instances,
@@ -147,15 +156,15 @@ fn read_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<Glt
     warn_of_lost_extensions(&tree, &mut warnings);
     Ok(GltfSource {
         format,
-        mesh: geometry.mesh,
+        mesh,
         layout,
         warnings,
         tree,
         files,
         buffers,
         images,
-        primitives: geometry.primitives,
-        sets: geometry.sets,
+        primitives,
+        sets: plan.sets.into_iter().map(|planned| planned.set).collect(),
     })
 }
 
