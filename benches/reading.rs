@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::time::Instant;
 
-use decimesh::document::{Document, Format, NamedFile};
+use decimesh::document::{Document, Format, NamedFile, Outline};
 
 const RUNS: usize = 5;
 
@@ -55,8 +55,12 @@ fn best<T>(mut run: impl FnMut() -> T) -> f64 {
     (0..RUNS).map(&mut time).fold(f64::INFINITY, f64::min)
 }
 
+fn parse(name: &str, bytes: &[u8]) -> Outline {
+    Outline::parse(vec![NamedFile { name: name.into(), bytes: bytes.to_vec() }]).unwrap()
+}
+
 fn open(name: &str, bytes: &[u8]) -> Document {
-    Document::open(vec![NamedFile { name: name.into(), bytes: bytes.to_vec() }]).unwrap()
+    parse(name, bytes).decode().unwrap()
 }
 
 /// A machine of `count` boxes, each a mesh with accessors of its own: a GLB that is mostly JSON, as CAD gives.
@@ -122,6 +126,7 @@ fn say(what: &str, bytes: &[u8], seconds: f64, least: f64) {
 fn say_glb(what: &str, bytes: &[u8]) {
     let json = 20 + u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
     let least = copy(bytes) + best(|| serde_json::from_slice::<serde_json::Value>(&bytes[20..json]).unwrap());
+    say(what, bytes, best(|| parse("m", bytes)), least);
     say(&format!("{what}, with geometry"), bytes, best(|| open("m", bytes)), least);
 }
 

@@ -37,7 +37,10 @@ use crate::mesh::Mesh;
 
 use accessor::{Data, view_bytes};
 use json::{for_each_extension, items, text};
+use plan::Plan;
 use resource::Content;
+use scene::Appearances;
+use schema::Root;
 
 pub(super) use new::write_new;
 pub(super) use write::write;
@@ -96,28 +99,62 @@ struct AttributeSource {
     accessor: usize,
 }
 
-/// Reads `files[main]`, a GLB or .gltf; the other files are what it may refer to.
+/// What it takes to decode the geometry of a file.
+#[derive(Debug)]
+pub(super) struct Undecoded {
+    root: Root,
+    plan: Plan,
+    /// Of each part.
+    scales: Vec<f32>,
+}
+
+/// Reads `files[main]`, a GLB or .gltf, up to the numbers of the geometry; the other files are what it may refer to. The
+/// source is whole but for its mesh and sets.
 ///
 /// # Errors
 /// A typed [`Error`] whose place is the file's name and a JSON path or byte offset.
-pub(super) fn read(files: Vec<NamedFile>, main: usize, format: Format) -> Result<GltfSource, Error> {
+pub(super) fn outline(files: Vec<NamedFile>, main: usize, format: Format) -> Result<(GltfSource, Undecoded), Error> {
     let name = files.get(main).map_or_else(String::new, |file| file.name.clone());
-    let in_file = |place: &str| match (name.is_empty(), place.is_empty()) {
-        (true, _) => place.to_owned(),
-        (false, true) => name.clone(),
-        (false, false) => format!("{name}: {place}"),
-    };
-    match read_places(files, main, format) {
-        Ok(mut source) => {
-            source.warnings.iter_mut().for_each(|warning| warning.place = in_file(&warning.place));
-            Ok(source)
-        }
-        Err(error) => Err(Error::new(error.code(), in_file(error.place()), error.message())),
+    let (mut source, undecoded) = outline_places(files, main, format).map_err(|error| error_in_file(&name, &error))?;
+    put_in_file(&name, &mut source.warnings);
+    Ok((source, undecoded))
+}
+
+impl Undecoded {
+    /// Gives the file its geometry; `name` is the file's.
+    ///
+    /// # Errors
+    /// As of [`outline()`]: `out-of-range` for indices, `not-finite` for positions, `too-large`.
+    pub(super) fn decode(mut self, source: &mut GltfSource, name: &str) -> Result<(), Error> {
+        let GltfSource { tree, files, buffers, warnings, .. } = source;
+        let data = Data { root: &self.root, tree, buffers, files };
+        let before = warnings.len();
+        source.mesh = read::geometry(data, &mut self.plan, &self.scales, warnings)
+            .map_err(|error| error_in_file(name, &error))?;
+        put_in_file(name, &mut warnings[before..]);
+        source.sets = self.plan.sets.into_iter().map(|planned| planned.set).collect();
+        Ok(())
     }
 }
 
-/// As [`read()`], with places relative to the file.
-fn read_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<GltfSource, Error> {
+fn in_file(name: &str, place: &str) -> String {
+    match (name.is_empty(), place.is_empty()) {
+        (true, _) => place.to_owned(),
+        (false, true) => name.to_owned(),
+        (false, false) => format!("{name}: {place}"),
+    }
+}
+
+fn error_in_file(name: &str, error: &Error) -> Error {
+    Error::new(error.code(), in_file(name, error.place()), error.message())
+}
+
+fn put_in_file(name: &str, warnings: &mut [Warning]) {
+    warnings.iter_mut().for_each(|warning| warning.place = in_file(name, &warning.place));
+}
+
+/// As [`outline()`], with places relative to the file.
+fn outline_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<(GltfSource, Undecoded), Error> {
     let mut warnings = Vec::new();
     let bytes = files.get(main).map_or(&[][..], |file| &file.bytes);
     let (json, binary) = match format {
@@ -138,34 +175,19 @@ fn read_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<Glt
     for view in 0..root.views.len() {
         view_bytes(data, view)?;
     }
-    let appearances = scene::appearances(data)?;
-    let mut plan = plan::plan(data)?;
-    let mesh = read::geometry(data, &mut plan, &appearances.scales, &mut warnings)?;
+    let Appearances { instances, scales } = scene::appearances(data)?;
+    let plan = plan::plan(data)?;
     let primitives: Vec<PrimitiveSource> = plan.primitives.iter().map(|planned| planned.source).collect();
     let groups = primitives.iter().map(|source| scene::label(&tree, source.mesh, source.primitive)).collect();
-    let layout = SceneLayout {
-        groups,
-        instances: appearances.instances,
-        texture_v_down: true,
-        has_linear_colors: true,
-        ..SceneLayout::default()
-    };
+    let layout =
+        SceneLayout { groups, instances, texture_v_down: true, has_linear_colors: true, ..SceneLayout::default() };
     let images = find_images(&tree, &files, main, &mut warnings);
     carried::warn_of_dangling(&tree, &mut warnings);
     carried::warn_of_implicit_ids(&tree, &mut warnings);
     warn_of_lost_extensions(&tree, &mut warnings);
-    Ok(GltfSource {
-        format,
-        mesh,
-        layout,
-        warnings,
-        tree,
-        files,
-        buffers,
-        images,
-        primitives,
-        sets: plan.sets.into_iter().map(|planned| planned.set).collect(),
-    })
+    let (mesh, sets) = (Mesh::default(), Vec::new());
+    let source = GltfSource { format, mesh, layout, warnings, tree, files, buffers, images, primitives, sets };
+    Ok((source, Undecoded { root, plan, scales }))
 }
 
 /// An image that is not there does not stop anybody from simplifying the mesh.
@@ -189,15 +211,13 @@ fn find_images(tree: &Value, files: &[NamedFile], main: usize, warnings: &mut Ve
 }
 
 fn warn_of_lost_extensions(tree: &Value, warnings: &mut Vec<Warning>) {
-    for name in write::VERTEX_EXTENSIONS {
-        let mut used = false;
-        for_each_extension(tree, &mut |found, _| used |= found == name);
-        if used {
-            warnings.push(Warning {
-                code: "extension-dropped",
-                message: format!("{name} numbers the vertices or triangles that change; it is not written"),
-                place: "extensionsUsed".into(),
-            });
-        }
+    let mut used = write::VERTEX_EXTENSIONS.map(|name| (name, false));
+    for_each_extension(tree, &mut |found, _| used.iter_mut().for_each(|(name, used)| *used |= found == *name));
+    for (name, _) in used.iter().filter(|(_, used)| *used) {
+        warnings.push(Warning {
+            code: "extension-dropped",
+            message: format!("{name} numbers the vertices or triangles that change; it is not written"),
+            place: "extensionsUsed".into(),
+        });
     }
 }

@@ -101,6 +101,17 @@ impl<'v, 'p> Spot<'v, 'p> {
         object.iter().try_for_each(|(key, value)| visit(&Spot { value, step: Step::Key(key), parent: Some(self) }))
     }
 
+    /// Calls `visit` with the member under `key`; for `*` with each member or element.
+    pub(super) fn children(&self, key: &str, visit: &mut dyn FnMut(&Spot<'v, '_>)) {
+        let mut child = |value, step| visit(&Spot { value, step, parent: Some(self) });
+        match (self.value, key) {
+            (Value::Array(values), "*") => values.iter().enumerate().for_each(|(i, v)| child(v, Step::Index(i))),
+            (Value::Object(object), "*") => object.iter().for_each(|(key, value)| child(value, Step::Key(key))),
+            (Value::Object(object), _) => object.get(key).into_iter().for_each(|value| child(value, Step::Key(key))),
+            _ => {}
+        }
+    }
+
     /// A whole number of at least 0; JSON may write it with a decimal point.
     #[inline(never)]
     pub(super) fn whole(&self) -> Result<u64, Error> {
