@@ -6,7 +6,7 @@ use std::ops::Range;
 use serde_json::Value;
 
 use super::accessor::{Data, Elements};
-use super::json::{extension, index as as_index, items, members, uint};
+use super::json::{extension, index as as_index, items, member, members, uint};
 use super::layout::{Component, Shape};
 use super::schema::DRACO_EXTENSION;
 use super::{AttributeSource, PrimitiveSource, SetSource, attributes};
@@ -101,8 +101,8 @@ pub(super) fn plan(data: Data<'_>) -> Result<Plan, Error> {
                 continue;
             }
             // Valid, for an extension or a shader may place them; they are carried through like points.
-            let attributes = primitive["attributes"].as_object();
-            if attributes.is_some_and(|attributes| !attributes.is_empty() && !attributes.contains_key("POSITION")) {
+            let mut attributes = members(primitive, "attributes").peekable();
+            if attributes.peek().is_some() && attributes.all(|(name, _)| name != "POSITION") {
                 continue;
             }
             let source = PrimitiveSource { mesh: m, primitive: p };
@@ -138,10 +138,10 @@ fn check_draco(data: Data<'_>, primitive: &Value, source: PrimitiveSource) -> Re
         return Ok(());
     }
     let accessors = items(data.tree, "accessors");
-    let mut used = members(primitive, "attributes").map(|(_, v)| v).chain(primitive.get("indices"));
+    let mut used = members(primitive, "attributes").map(|(_, v)| v).chain(member(primitive, "indices"));
     let has_copy = |accessor: &Value| {
         let accessor = as_index(accessor).and_then(|accessor| accessors.get(accessor));
-        accessor.is_none_or(|json| json.get("bufferView").is_some() || json.get("sparse").is_some())
+        accessor.is_none_or(|json| member(json, "bufferView").is_some() || member(json, "sparse").is_some())
     };
     if used.all(has_copy) {
         return Ok(());

@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 
-use super::json::index;
+use super::json::{index, member};
 use crate::error::{Error, ErrorCode};
 
 /// A value and the way to it. The way is a list on the stack: it costs nothing until it is printed.
@@ -63,7 +63,7 @@ impl<'v, 'p> Spot<'v, 'p> {
     /// The member under `key`; absent and `null` are the same.
     #[inline(never)]
     pub(super) fn field<'c>(&'c self, key: &'c str) -> Option<Spot<'v, 'c>> {
-        let value = self.value.get(key).filter(|value| !value.is_null())?;
+        let value = member(self.value, key).filter(|value| !value.is_null())?;
         Some(Spot { value, step: Step::Key(key), parent: Some(self) })
     }
 
@@ -107,8 +107,7 @@ impl<'v, 'p> Spot<'v, 'p> {
         match (self.value, key) {
             (Value::Array(values), "*") => values.iter().enumerate().for_each(|(i, v)| child(v, Step::Index(i))),
             (Value::Object(object), "*") => object.iter().for_each(|(key, value)| child(value, Step::Key(key))),
-            (Value::Object(object), _) => object.get(key).into_iter().for_each(|value| child(value, Step::Key(key))),
-            _ => {}
+            (value, _) => member(value, key).into_iter().for_each(|value| child(value, Step::Key(key))),
         }
     }
 
