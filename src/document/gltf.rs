@@ -36,7 +36,7 @@ use crate::error::{Error, Warning};
 use crate::mesh::Mesh;
 
 use accessor::{Data, view_bytes};
-use json::{for_each_extension, items, text};
+use json::{items, members, text};
 use plan::Plan;
 use resource::Content;
 use scene::Appearances;
@@ -169,7 +169,7 @@ fn outline_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<
         _ => (bytes, None),
     };
     let (tree, root) = schema::parse(json)?;
-    let buffers = resource::load_buffers(&tree, &files, main, binary.as_ref())?;
+    let buffers = resource::load_buffers(&tree, &root, &files, main, binary.as_ref())?;
     let data = Data { root: &root, tree: &tree, buffers: &buffers, files: &files };
     // Also those that no triangle needs: they are carried over to the output.
     for view in 0..root.views.len() {
@@ -183,7 +183,6 @@ fn outline_places(files: Vec<NamedFile>, main: usize, format: Format) -> Result<
         SceneLayout { groups, instances, texture_v_down: true, has_linear_colors: true, ..SceneLayout::default() };
     let images = find_images(&tree, &files, main, &mut warnings);
     carried::warn_of_dangling(&tree, &mut warnings);
-    carried::warn_of_implicit_ids(&tree, &mut warnings);
     warn_of_lost_extensions(&tree, &mut warnings);
     let (mesh, sets) = (Mesh::default(), Vec::new());
     let source = GltfSource { format, mesh, layout, warnings, tree, files, buffers, images, primitives, sets };
@@ -210,9 +209,22 @@ fn find_images(tree: &Value, files: &[NamedFile], main: usize, warnings: &mut Ve
     items(tree, "images").iter().enumerate().map(&mut find).collect()
 }
 
+/// What numbers vertices or triangles is an extension of a mesh or a primitive, so only these are looked through.
 fn warn_of_lost_extensions(tree: &Value, warnings: &mut Vec<Warning>) {
+    const FEATURES: &str = "EXT_mesh_features";
     let mut used = write::VERTEX_EXTENSIONS.map(|name| (name, false));
-    for_each_extension(tree, &mut |found, _| used.iter_mut().for_each(|(name, used)| *used |= found == *name));
+    let mut has_features = false;
+    for mesh in items(tree, "meshes") {
+        for holder in items(mesh, "primitives").iter().chain([mesh]) {
+            for (found, _) in members(holder, "extensions") {
+                has_features |= found == FEATURES;
+                used.iter_mut().for_each(|(name, used)| *used |= found == *name);
+            }
+        }
+    }
+    if has_features {
+        carried::warn_of_implicit_ids(tree, warnings);
+    }
     for (name, _) in used.iter().filter(|(_, used)| *used) {
         warnings.push(Warning {
             code: "extension-dropped",
