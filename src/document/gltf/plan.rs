@@ -41,7 +41,7 @@ pub(super) struct Planned {
     /// The accessor.
     pub(super) indices: Option<usize>,
     /// How many indices or, without any, vertices.
-    count: usize,
+    pub(super) count: usize,
 }
 
 impl Planned {

@@ -4,6 +4,8 @@
 //! is all of them, as in most files, nothing is looked up.
 
 use super::PrimitiveSource;
+use std::ops::Range;
+
 use super::accessor::Data;
 use super::layout::Component;
 use super::plan::{Budget, Plan, Planned, PlannedSet, open_columns, open_indices};
@@ -49,43 +51,38 @@ fn read_triangles(
     vertex_count: usize,
     triangles: &mut Vec<[u32; 3]>,
 ) -> Result<(), Error> {
-    if planned.mode == 4 {
-        let start = triangles.len();
-        match planned.indices {
-            Some(accessor) => {
-                let elements = open_indices(data, accessor, planned.source)?;
-                // Read in place, what is left over of a triangle too, for that has to be in range as well.
-                triangles.resize(start + elements.count.div_ceil(3), [0; 3]);
-                let out = &mut triangles[start..].as_flattened_mut()[..elements.count];
-                elements.read_indices(out);
-                check_indices(out, elements.layout.component, vertex_count, planned.source)?;
-                triangles.truncate(start + elements.count / 3);
-            }
-            None => triangles.extend((0..vertex_count as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2])),
-        }
-        return Ok(());
-    }
-    let indices = match planned.indices {
+    let (start, count) = (triangles.len(), planned.count);
+    let mut beside = Vec::new();
+    let indices = if planned.mode == 4 {
+        // Read in place, what is left over of a triangle too, for that has to be in range as well.
+        triangles.resize(start + count.div_ceil(3), [0; 3]);
+        &mut triangles[start..].as_flattened_mut()[..count]
+    } else {
+        beside.resize(count, 0);
+        &mut beside[..]
+    };
+    match planned.indices {
         Some(accessor) => {
             let elements = open_indices(data, accessor, planned.source)?;
-            let mut indices = vec![0; elements.count];
-            elements.read_indices(&mut indices);
-            check_indices(&indices, elements.layout.component, vertex_count, planned.source)?;
-            indices
+            elements.read_indices(indices);
+            check_indices(indices, elements.layout.component, vertex_count, planned.source)?;
         }
-        None => (0..vertex_count as u32).collect(),
-    };
+        None => indices.iter_mut().zip(0..).for_each(|(index, vertex)| *index = vertex),
+    }
+    triangles.truncate(start + count / 3);
     // Every other triangle of a strip is turned round; repeated indices only stitch.
     let is_strip = planned.mode == 5;
-    triangles.extend((2..indices.len()).filter_map(|i| {
+    for i in 2..beside.len() {
         let [a, b, c] = match (is_strip, i % 2) {
             (true, 0) => [i - 2, i - 1, i],
             (true, _) => [i - 1, i - 2, i],
             (false, _) => [i - 1, i, 0],
         }
-        .map(|i| indices[i]);
-        (a != b && b != c && c != a).then_some([a, b, c])
-    }));
+        .map(|i| beside[i]);
+        if a != b && b != c && c != a {
+            triangles.push([a, b, c]);
+        }
+    }
     Ok(())
 }
 
@@ -130,91 +127,95 @@ impl Reader<'_, '_> {
     fn read_set(&mut self, planned: &PlannedSet, number: usize, mesh: &mut Mesh) -> Result<(), Error> {
         let Mesh { positions, triangles, groups, wedge_sets, .. } = mesh;
         let PlannedSet { set, source, groups: beside, vertex_count } = planned;
-        let groups = &groups[beside.clone()];
-        let mine = || groups.iter().filter(|group| group.wedge_set == number).map(|group| group.triangles.clone());
-        let picked = self.pick(mine().map(|range| triangles[range].as_flattened()), *vertex_count);
+        let mine = groups[beside.clone()].iter().filter(|group| group.wedge_set == number);
+        let ranges: Vec<Range<usize>> = mine.map(|group| group.triangles.clone()).collect();
+        let picked = self.pick(&ranges, triangles, *vertex_count);
         let count = picked.as_ref().map_or(*vertex_count, Vec::len);
         let columns = open_columns(self.data, &set.attributes, *source)?;
         let width: usize = columns.iter().map(|column| column.layout.components()).sum();
         self.budget.spend(count.saturating_mul(width), &|| source.place())?;
 
-        let start = positions.len();
-        let mut attributes: Vec<Attribute> = Vec::with_capacity(columns.len());
-        let mut points = vec![[0.0; 3]; count];
-        for (k, (column, attribute)) in columns.iter().zip(&set.attributes).enumerate() {
+        let mut values: Vec<Vec<f32>> = Vec::with_capacity(columns.len());
+        for (column, attribute) in columns.iter().zip(&set.attributes) {
             let components = column.layout.components();
-            if k == 0 {
-                column.read(picked.as_deref(), points.as_flattened_mut());
-                if let Some(at) = not_finite(points.as_flattened()) {
+            let mut numbers = vec![0.0; count * components];
+            column.read(picked.as_deref(), &mut numbers);
+            match not_finite(&numbers) {
+                Some(at) if values.is_empty() => {
                     let vertex = picked.as_ref().map_or(at as u32 / 3, |picked| picked[at / 3]);
                     let message = format!("vertex {vertex} is not finite");
                     return Err(Error::new(ErrorCode::NotFinite, attribute.place(*source), message));
                 }
-                continue;
+                Some(_) => self.warnings.push(repair(&mut numbers, components, attribute.place(*source))),
+                None => {}
             }
-            let mut values = vec![0.0; count * components];
-            column.read(picked.as_deref(), &mut values);
-            if not_finite(&values).is_some() {
-                self.warnings.push(repair(&mut values, components, attribute.place(*source)));
-            }
-            attributes.push(Attribute { name: attribute.name(), components, values, blend: set.blend(k) });
+            values.push(numbers);
         }
 
-        let mut rows: Vec<Rows<'_>> = vec![(points.as_flattened(), 3)];
-        rows.extend(attributes.iter().map(|a| (a.values.as_slice(), a.components)));
+        let widths = columns.iter().map(|column| column.layout.components());
+        let rows: Vec<Rows<'_>> = values.iter().map(Vec::as_slice).zip(widths.clone()).collect();
         let numbers = repeated(&rows, count);
         if let Some(numbers) = &numbers {
-            attributes.iter_mut().for_each(|a| keep(&mut a.values, a.components, numbers));
-            let mut flat = points.into_flattened();
-            keep(&mut flat, 3, numbers);
-            points = flat.as_chunks::<3>().0.to_vec();
+            values.iter_mut().zip(widths.clone()).for_each(|(values, width)| keep(values, width, numbers));
         }
+        let start = positions.len();
+        let vertex = |row: usize| picked.as_ref().map_or(row, |picked| picked[row] as usize);
         if picked.is_some() || numbers.is_some() || start > 0 {
-            let place = |row: usize| start as u32 + numbers.as_ref().map_or(row as u32, |numbers| numbers[row]);
-            match &picked {
-                Some(picked) => picked.iter().enumerate().for_each(|(r, &v)| self.slots[v as usize] = place(r)),
-                None => self.slots[..count].iter_mut().enumerate().for_each(|(r, slot)| *slot = place(r)),
+            for row in 0..count {
+                let kept = numbers.as_ref().map_or(row as u32, |numbers| numbers[row]);
+                self.slots[vertex(row)] = start as u32 + kept;
             }
-            for range in mine() {
-                let vertices = triangles[range].as_flattened_mut();
-                vertices.iter_mut().for_each(|vertex| *vertex = self.slots[*vertex as usize]);
+            for range in ranges {
+                let corners = triangles[range].as_flattened_mut();
+                corners.iter_mut().for_each(|vertex| *vertex = self.slots[*vertex as usize]);
             }
         }
-        match &picked {
-            Some(picked) => picked.iter().for_each(|&vertex| self.slots[vertex as usize] = UNUSED),
-            None => self.slots[..count].fill(UNUSED),
-        }
-        if start == 0 {
-            *positions = points;
-        } else {
-            positions.extend_from_slice(&points);
+        (0..count).for_each(|row| self.slots[vertex(row)] = UNUSED);
+
+        let mut attributes = Vec::with_capacity(columns.len());
+        for (k, (values, components)) in values.into_iter().zip(widths).enumerate() {
+            if k == 0 {
+                positions.extend_from_slice(values.as_chunks::<3>().0);
+            } else {
+                attributes.push(Attribute { name: set.attributes[k].name(), components, values, blend: set.blend(k) });
+            }
         }
         wedge_sets.push(WedgeSet { wedges: start..positions.len(), part: source.mesh, attributes });
         Ok(())
     }
 
-    /// Those of `vertex_count` vertices that are used, ascending; `None` for all. Marks them in `slots`.
-    fn pick<'i>(&mut self, used: impl Iterator<Item = &'i [u32]> + Clone, vertex_count: usize) -> Option<Vec<u32>> {
+    /// Those of `vertex_count` vertices that triangles of `ranges` use, ascending; `None` for all. Marks them in `slots`.
+    #[inline(never)]
+    fn pick(&mut self, ranges: &[Range<usize>], triangles: &[[u32; 3]], vertex_count: usize) -> Option<Vec<u32>> {
         self.slots.resize(self.slots.len().max(vertex_count), UNUSED);
-        let index_count: usize = used.clone().map(<[u32]>::len).sum();
-        if vertex_count / MOST_VERTICES_PER_INDEX <= index_count {
-            used.for_each(|indices| indices.iter().for_each(|&vertex| self.slots[vertex as usize] = 0));
-            let slots = self.slots[..vertex_count].iter();
-            let is_whole = slots.clone().all(|&slot| slot == 0);
-            return (!is_whole).then(|| slots.zip(0..).filter(|(slot, _)| **slot == 0).map(|(_, v)| v).collect());
-        }
+        let index_count: usize = ranges.iter().map(|range| 3 * range.len()).sum();
+        let is_dense = vertex_count / MOST_VERTICES_PER_INDEX <= index_count;
         let mut picked = Vec::new();
-        for &vertex in used.flatten() {
-            if std::mem::replace(&mut self.slots[vertex as usize], 0) == UNUSED {
-                picked.push(vertex);
+        let mut count = 0;
+        for range in ranges {
+            for &vertex in triangles[range.clone()].as_flattened() {
+                if std::mem::replace(&mut self.slots[vertex as usize], 0) == UNUSED {
+                    count += 1;
+                    if !is_dense {
+                        picked.push(vertex);
+                    }
+                }
             }
         }
-        picked.sort_unstable();
+        if count == vertex_count {
+            return None;
+        }
+        if is_dense {
+            picked.extend((0..vertex_count as u32).filter(|&vertex| self.slots[vertex as usize] == 0));
+        } else {
+            picked.sort_unstable();
+        }
         Some(picked)
     }
 }
 
 /// The first number that is NaN or infinite.
+#[inline(never)]
 fn not_finite(values: &[f32]) -> Option<usize> {
     const EXPONENT: u32 = 0x7f80_0000;
     // Of all together first: that is many at a time.
