@@ -124,6 +124,92 @@ pub struct Instance {
     pub world_from_local: [f64; 16],
 }
 
+/// A glTF file taken apart and checked, its geometry still as bytes: [`Document::open`] in two steps, for who wants to
+/// know what a file is, or to decode it later.
+///
+/// It keeps the files it was given, without a copy. Of the other formats nothing can be known before all of it is read,
+/// which is done at once.
+#[derive(Debug)]
+pub struct Outline {
+    /// A glTF without its mesh, any other whole.
+    source: Source,
+    /// What is left to do for a glTF.
+    geometry: Option<Box<gltf::Undecoded>>,
+    byte_count: usize,
+    /// Of the file that is the model.
+    name: String,
+}
+
+impl Outline {
+    /// Reads the container and the JSON of the first of `files` whose content is a model, and checks all references,
+    /// counts and byte ranges that the triangles depend on.
+    ///
+    /// # Errors
+    /// As of [`Document::open`], but for what takes the numbers themselves: indices of vertices that are not there, and
+    /// positions that are not finite.
+    pub fn parse(mut files: Vec<NamedFile>) -> Result<Self, Error> {
+        let byte_count = files.iter().map(|f| f.bytes.len()).sum();
+        let (main, format) = sniff::first_model(&mut files)?;
+        let name = files[main].name.clone();
+        let mut geometry = None;
+        let source = match format {
+            Format::Glb | Format::Gltf => {
+                let (source, undecoded) = gltf::outline(files, main, format)?;
+                geometry = Some(Box::new(undecoded));
+                Source::Gltf(Box::new(source))
+            }
+            Format::Obj => Source::Obj(Box::new(obj::read(&files, main)?)),
+            Format::Ply => Source::Ply(Box::new(ply::read(&files, main)?)),
+            Format::Stl => Source::Stl(Box::new(stl::read(&files[main])?)),
+            Format::Off => Source::Off(Box::new(off::read(&files[main])?)),
+            Format::Smf => Source::Smf(Box::new(smf::read(&files[main])?)),
+        };
+        Ok(Self { source, geometry, byte_count, name })
+    }
+
+    /// The format that was read.
+    #[must_use]
+    pub fn format(&self) -> Format {
+        self.source.format()
+    }
+
+    /// As [`Document::layout`].
+    #[must_use]
+    pub fn layout(&self) -> &SceneLayout {
+        self.source.content().1
+    }
+
+    /// What reading had to change or leave out so far.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warning] {
+        self.source.content().2
+    }
+
+    /// Decodes the geometry.
+    ///
+    /// # Errors
+    /// `out-of-range` for an index of a vertex that is not there, `not-finite` for a position, `too-large` for more than
+    /// memory can hold, each with the JSON path of the primitive; `no-triangles` for another format than glTF without
+    /// any.
+    pub fn decode(self) -> Result<Document, Error> {
+        let Self { mut source, geometry, byte_count, name } = self;
+        if let (Source::Gltf(source), Some(geometry)) = (&mut source, geometry) {
+            geometry.decode(source, &name)?;
+        }
+        let mut document = Document { source, byte_count };
+        if document.mesh().triangles.is_empty() {
+            let message = "the file has no triangles";
+            // A glTF may be points, lines, or an animation alone, and goes through as it is.
+            let Source::Gltf(source) = &mut document.source else {
+                return Err(Error::new(ErrorCode::NoTriangles, name, message));
+            };
+            let message = format!("{message}: there is nothing to simplify");
+            source.warnings.push(Warning { code: ErrorCode::NoTriangles.as_str(), message, place: name });
+        }
+        Ok(document)
+    }
+}
+
 /// A whole file in memory.
 #[derive(Debug)]
 pub struct Document {
@@ -141,6 +227,31 @@ enum Source {
     Smf(Box<smf::SmfSource>),
 }
 
+impl Source {
+    fn format(&self) -> Format {
+        match self {
+            Self::Gltf(source) => source.format,
+            Self::Obj(_) => Format::Obj,
+            Self::Ply(_) => Format::Ply,
+            Self::Stl(_) => Format::Stl,
+            Self::Off(_) => Format::Off,
+            Self::Smf(_) => Format::Smf,
+        }
+    }
+
+    fn content(&self) -> (&Mesh, &SceneLayout, &[Warning]) {
+        let content = match self {
+            Self::Gltf(source) => return (&source.mesh, &source.layout, &source.warnings),
+            Self::Obj(source) => &source.content,
+            Self::Ply(source) => &source.content,
+            Self::Stl(source) => &source.content,
+            Self::Off(source) => &source.content,
+            Self::Smf(source) => &source.content,
+        };
+        (&content.mesh, &content.layout, &content.warnings)
+    }
+}
+
 impl Document {
     /// Reads the first of `files` whose content is a model; the others are what it refers to.
     ///
@@ -149,42 +260,14 @@ impl Document {
     /// # Errors
     /// A typed [`Error`] with the place for anything malformed, missing or unsupported; `no-triangles` for another
     /// format without any.
-    pub fn open(mut files: Vec<NamedFile>) -> Result<Self, Error> {
-        let byte_count = files.iter().map(|f| f.bytes.len()).sum();
-        let (main, format) = sniff::first_model(&mut files)?;
-        let name = files[main].name.clone();
-        let source = match format {
-            Format::Glb | Format::Gltf => Source::Gltf(Box::new(gltf::read(files, main, format)?)),
-            Format::Obj => Source::Obj(Box::new(obj::read(&files, main)?)),
-            Format::Ply => Source::Ply(Box::new(ply::read(&files, main)?)),
-            Format::Stl => Source::Stl(Box::new(stl::read(&files[main])?)),
-            Format::Off => Source::Off(Box::new(off::read(&files[main])?)),
-            Format::Smf => Source::Smf(Box::new(smf::read(&files[main])?)),
-        };
-        let mut document = Self { source, byte_count };
-        if document.mesh().triangles.is_empty() {
-            let message = "the file has no triangles";
-            // A glTF may be points, lines, or an animation alone, and goes through as it is.
-            let Source::Gltf(source) = &mut document.source else {
-                return Err(Error::new(ErrorCode::NoTriangles, name, message));
-            };
-            let message = format!("{message}: there is nothing to simplify");
-            source.warnings.push(Warning { code: ErrorCode::NoTriangles.as_str(), message, place: name });
-        }
-        Ok(document)
+    pub fn open(files: Vec<NamedFile>) -> Result<Self, Error> {
+        Outline::parse(files)?.decode()
     }
 
     /// The format that was read.
     #[must_use]
     pub fn format(&self) -> Format {
-        match &self.source {
-            Source::Gltf(source) => source.format,
-            Source::Obj(_) => Format::Obj,
-            Source::Ply(_) => Format::Ply,
-            Source::Stl(_) => Format::Stl,
-            Source::Off(_) => Format::Off,
-            Source::Smf(_) => Format::Smf,
-        }
+        self.source.format()
     }
 
     /// All bytes given to [`Document::open`].
@@ -193,34 +276,22 @@ impl Document {
         self.byte_count
     }
 
-    fn content(&self) -> (&Mesh, &SceneLayout, &[Warning]) {
-        let content = match &self.source {
-            Source::Gltf(source) => return (&source.mesh, &source.layout, &source.warnings),
-            Source::Obj(source) => &source.content,
-            Source::Ply(source) => &source.content,
-            Source::Stl(source) => &source.content,
-            Source::Off(source) => &source.content,
-            Source::Smf(source) => &source.content,
-        };
-        (&content.mesh, &content.layout, &content.warnings)
-    }
-
     /// Every triangle of the file.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
-        self.content().0
+        self.source.content().0
     }
 
     /// Names and placements, by the groups and parts of [`Document::mesh`].
     #[must_use]
     pub fn layout(&self) -> &SceneLayout {
-        self.content().1
+        self.source.content().1
     }
 
     /// What reading had to change or leave out.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
-        self.content().2
+        self.source.content().2
     }
 
     /// What the file has and `format` cannot hold: one warning, or none.

@@ -14,7 +14,8 @@ import type { DocumentInput, DocumentSummary } from '../types.js';
  * Opens a model: glTF (.glb, .gltf with its files), OBJ (with its .mtl and textures), PLY, STL, OFF or SMF, told by
  * their content; a progressive mesh; or a .zip of these. Loads the engine if that is still to be done.
  *
- * Rejects with a {@link DecimeshError} naming the place in the file, or with the signal's reason.
+ * The geometry is checked and decoded here: a fault in it is told now, and not by a later call. Rejects with a
+ * {@link DecimeshError} naming the place in the file, or with the signal's reason.
  */
 export async function openDocument(input: DocumentInput, options: { signal?: AbortSignal } = {}): Promise<Document> {
   checkNames(options, ['signal']);

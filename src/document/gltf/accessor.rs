@@ -131,72 +131,70 @@ impl<'a> Elements<'a> {
         Ok(Self { layout, count, bytes, stride, sparse })
     }
 
-    /// Appends the numbers of element `index`, which is below `count`.
-    pub(super) fn read(&self, index: usize, out: &mut Vec<f32>) {
-        match self.element(index) {
-            Some(bytes) => out.extend((0..self.layout.components()).map(|c| {
-                let bytes = bytes.get(self.layout.offset(c)..).unwrap_or_default();
-                self.layout.decode(bytes)
-            })),
-            None => out.resize(out.len() + self.layout.components(), 0.0),
+    /// The numbers of the elements at `picked`, which ascend and are below `count`, or of all; `out` has zeros and the
+    /// size.
+    pub(super) fn read(&self, picked: Option<&[u32]>, out: &mut [f32]) {
+        let components = self.layout.components();
+        let rows = out.chunks_exact_mut(components);
+        match (self.bytes, picked) {
+            (None, _) => {}
+            // Floating-point elements have no gaps, matrices neither.
+            (Some(bytes), None) if self.layout.component == Component::F32 && self.stride == 4 * components => {
+                out.iter_mut().zip(bytes.as_chunks::<4>().0).for_each(|(to, &from)| *to = f32::from_le_bytes(from));
+            }
+            (Some(bytes), None) => rows.zip(bytes.chunks(self.stride)).for_each(|(row, bytes)| self.decode(bytes, row)),
+            (Some(bytes), Some(picked)) => {
+                for (row, &index) in rows.zip(picked) {
+                    self.decode(bytes.get(index as usize * self.stride..).unwrap_or_default(), row);
+                }
+            }
+        }
+        let Some(Sparse { at, values }) = &self.sparse else {
+            return;
+        };
+        for (&index, bytes) in at.iter().zip(values.chunks_exact(self.layout.byte_size())) {
+            let row = picked.map_or(Ok(index as usize), |picked| picked.binary_search(&index));
+            if let Some(row) = row.ok().and_then(|row| out.get_mut(row * components..(row + 1) * components)) {
+                self.decode(bytes, row);
+            }
         }
     }
 
-    /// Puts the elements at `indices` into rows of `width` numbers, from `offset` on in each.
-    pub(super) fn read_rows(&self, indices: &[u32], rows: &mut [f32], width: usize, offset: usize) {
-        let components = self.layout.components();
-        let rows = rows.chunks_exact_mut(width).map(|row| &mut row[offset..offset + components]);
-        // Nearly all vertex data is this; floating-point elements have no gaps, matrices neither.
-        if let (Component::F32, Some(bytes), None) = (self.layout.component, self.bytes, &self.sparse) {
-            for (row, &index) in rows.zip(indices) {
-                let element = bytes.get(index as usize * self.stride..).unwrap_or_default();
-                row.iter_mut().zip(element.as_chunks::<4>().0).for_each(|(to, &from)| *to = f32::from_le_bytes(from));
-            }
+    /// The numbers of the element at the start of `bytes`.
+    fn decode(&self, bytes: &[u8], row: &mut [f32]) {
+        if self.layout.component == Component::F32 {
+            row.iter_mut().zip(bytes.as_chunks::<4>().0).for_each(|(to, &from)| *to = f32::from_le_bytes(from));
             return;
         }
-        for (row, &index) in rows.zip(indices) {
-            let Some(element) = self.element(index as usize) else {
-                row.fill(0.0);
-                continue;
-            };
-            for (c, to) in row.iter_mut().enumerate() {
-                *to = self.layout.decode(element.get(self.layout.offset(c)..).unwrap_or_default());
-            }
+        for (c, to) in row.iter_mut().enumerate() {
+            *to = self.layout.decode(bytes.get(self.layout.offset(c)..).unwrap_or_default());
         }
     }
 
-    /// All elements of an accessor of indices: unsigned integers.
-    pub(super) fn read_indices(&self) -> Vec<u32> {
-        if let (None, Some(bytes)) = (&self.sparse, self.bytes) {
-            // Index views have no stride; if one has, the slow way reads it.
-            match self.layout.component {
-                Component::U16 if self.stride == 2 => {
-                    return bytes
-                        .as_chunks::<2>()
-                        .0
-                        .iter()
-                        .take(self.count)
-                        .map(|&b| u16::from_le_bytes(b).into())
-                        .collect();
-                }
-                Component::U32 if self.stride == 4 => {
-                    return bytes.as_chunks::<4>().0.iter().take(self.count).map(|&b| u32::from_le_bytes(b)).collect();
-                }
-                _ => {}
+    /// All elements of an accessor of indices, unsigned integers; `out` has zeros and the size.
+    pub(super) fn read_indices(&self, out: &mut [u32]) {
+        // Index views have no stride; if one has, the slow way reads it.
+        match (self.layout.component, self.bytes) {
+            (_, None) => {}
+            (Component::U16, Some(bytes)) if self.stride == 2 => {
+                let all = out.iter_mut().zip(bytes.as_chunks::<2>().0);
+                all.for_each(|(to, &from)| *to = u16::from_le_bytes(from).into());
+            }
+            (Component::U32, Some(bytes)) if self.stride == 4 => {
+                out.iter_mut().zip(bytes.as_chunks::<4>().0).for_each(|(to, &from)| *to = u32::from_le_bytes(from));
+            }
+            (component, Some(bytes)) => {
+                let all = out.iter_mut().zip(bytes.chunks(self.stride));
+                all.for_each(|(to, from)| *to = read_index(component, from));
             }
         }
-        (0..self.count)
-            .map(|index| self.element(index).map_or(0, |bytes| read_index(self.layout.component, bytes)))
-            .collect()
-    }
-
-    fn element(&self, index: usize) -> Option<&[u8]> {
-        if let Some(sparse) = &self.sparse
-            && let Ok(found) = sparse.at.binary_search(&(index as u32))
-        {
-            return sparse.values.get(found * self.layout.byte_size()..);
+        if let Some(Sparse { at, values }) = &self.sparse {
+            for (&index, bytes) in at.iter().zip(values.chunks_exact(self.layout.byte_size())) {
+                if let Some(to) = out.get_mut(index as usize) {
+                    *to = read_index(self.layout.component, bytes);
+                }
+            }
         }
-        self.bytes?.get(index * self.stride..)
     }
 }
 
@@ -251,12 +249,11 @@ pub(super) fn view_bytes<'a>(data: Data<'a>, index: usize) -> Result<(&'a [u8], 
     }
 }
 
-/// The numbers of every element, for small accessors such as a skin's matrices.
+/// The numbers of the first elements, for small accessors such as a skin's matrices.
 pub(super) fn read_all(data: Data<'_>, index: usize, limit: usize) -> Result<Vec<f32>, Error> {
-    let elements = Elements::open(data, index)?;
-    let mut out = Vec::new();
-    for i in 0..elements.count.min(limit) {
-        elements.read(i, &mut out);
-    }
+    let mut elements = Elements::open(data, index)?;
+    elements.count = elements.count.min(limit);
+    let mut out = vec![0.0; elements.count * elements.layout.components()];
+    elements.read(None, &mut out);
     Ok(out)
 }

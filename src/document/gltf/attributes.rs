@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::json::{index as as_index, items, members};
 use super::layout::Shape;
-use super::{AttributeSource, SetSource};
+use super::{AttributeSource, PrimitiveSource, SetSource};
 use crate::mesh::Blend;
 
 /// The attributes of a primitive in the order of the mesh: `POSITION`, then as in the file with
@@ -33,14 +33,6 @@ pub(super) fn list(primitive: &Value) -> Vec<AttributeSource> {
 }
 
 impl SetSource {
-    pub(super) fn place_of(&self, attribute: usize) -> String {
-        let source = &self.attributes[attribute];
-        match source.target {
-            Some(target) => format!("{}.targets[{target}].{}", self.place, source.semantic),
-            None => format!("{}.attributes.{}", self.place, source.semantic),
-        }
-    }
-
     pub(super) fn blend(&self, attribute: usize) -> Blend {
         let AttributeSource { target, semantic, .. } = &self.attributes[attribute];
         let beside = |at: Option<usize>, name: String| {
@@ -62,6 +54,14 @@ impl SetSource {
 }
 
 impl AttributeSource {
+    /// Its JSON path in a primitive.
+    pub(super) fn place(&self, primitive: PrimitiveSource) -> String {
+        match self.target {
+            Some(target) => format!("{}.targets[{target}].{}", primitive.place(), self.semantic),
+            None => format!("{}.attributes.{}", primitive.place(), self.semantic),
+        }
+    }
+
     /// The name in the mesh.
     pub(super) fn name(&self) -> String {
         match self.target {

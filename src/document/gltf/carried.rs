@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::json::{index, items};
+use super::spot::Spot;
 use crate::error::Warning;
 
 /// References outside of the geometry: the way to them (`*` is each element or member), and the
@@ -26,10 +27,10 @@ pub(super) fn warn_of_dangling(tree: &Value, warnings: &mut Vec<Warning>) {
         let count = items(tree, list).len();
         let mut first: Option<(String, usize)> = None;
         let mut more = 0usize;
-        visit(tree, way, &mut String::new(), &mut |place, value| {
-            if index(value).is_none_or(|index| index >= count) {
+        visit(&Spot::root(tree), way, &mut |spot| {
+            if index(spot.value).is_none_or(|index| index >= count) {
                 more += usize::from(first.is_some());
-                first.get_or_insert_with(|| (place.to_owned(), count));
+                first.get_or_insert_with(|| (spot.path(), count));
             }
         });
         if let Some((place, count)) = first {
@@ -45,9 +46,9 @@ pub(super) fn warn_of_dangling(tree: &Value, warnings: &mut Vec<Warning>) {
 pub(super) fn warn_of_implicit_ids(tree: &Value, warnings: &mut Vec<Warning>) {
     let way = ["meshes", "*", "primitives", "*", "extensions", "EXT_mesh_features", "featureIds", "*"];
     let mut first = None;
-    visit(tree, &way, &mut String::new(), &mut |place, ids| {
-        if first.is_none() && ids.get("attribute").is_none() && ids.get("texture").is_none() {
-            first = Some(place.to_owned());
+    visit(&Spot::root(tree), &way, &mut |ids| {
+        if first.is_none() && ids.value.get("attribute").is_none() && ids.value.get("texture").is_none() {
+            first = Some(ids.path());
         }
     });
     if let Some(place) = first {
@@ -56,30 +57,10 @@ pub(super) fn warn_of_implicit_ids(tree: &Value, warnings: &mut Vec<Warning>) {
     }
 }
 
-/// Calls `found` with the path and value of everything at the end of `way`.
-fn visit(value: &Value, way: &[&str], place: &mut String, found: &mut dyn FnMut(&str, &Value)) {
-    let Some((step, rest)) = way.split_first() else {
-        return found(place, value);
-    };
-    let length = place.len();
-    match value {
-        Value::Array(values) if *step == "*" => {
-            for (i, value) in values.iter().enumerate() {
-                place.push_str(&format!("[{i}]"));
-                visit(value, rest, place, found);
-                place.truncate(length);
-            }
-        }
-        Value::Object(object) => {
-            for (key, value) in object.iter().filter(|(key, _)| *step == "*" || *step == *key) {
-                if length > 0 {
-                    place.push('.');
-                }
-                place.push_str(key);
-                visit(value, rest, place, found);
-                place.truncate(length);
-            }
-        }
-        _ => {}
+/// Calls `found` with everything at the end of `way`.
+fn visit(spot: &Spot<'_, '_>, way: &[&str], found: &mut dyn FnMut(&Spot<'_, '_>)) {
+    match way.split_first() {
+        None => found(spot),
+        Some((step, rest)) => spot.children(step, &mut |child| visit(child, rest, found)),
     }
 }

@@ -10,10 +10,21 @@ pub(super) fn object(members: Vec<(&str, Value)>) -> Value {
     Value::Object(members.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
 }
 
+/// The member of an object under `key`. Of a few members, and few have more, one is found sooner than hashed.
+#[inline(never)]
+pub(super) fn member<'a>(object: &'a Value, key: &str) -> Option<&'a Value> {
+    const FEW: usize = 16;
+    let object = object.as_object()?;
+    if object.len() > FEW {
+        return object.get(key);
+    }
+    object.iter().find(|(name, _)| *name == key).map(|(_, value)| value)
+}
+
 /// The array under `key`, or an empty one.
 #[inline(never)]
 pub(super) fn items<'a>(object: &'a Value, key: &str) -> &'a [Value] {
-    object.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+    member(object, key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
 
 /// The array under `key`, to change.
@@ -24,14 +35,14 @@ pub(super) fn items_mut<'a>(object: &'a mut Value, key: &str) -> &'a mut [Value]
 
 /// The members of the object under `key`, in the order of the file.
 pub(super) fn members<'a>(object: &'a Value, key: &str) -> impl Iterator<Item = (&'a str, &'a Value)> + use<'a> {
-    let map: Option<&'a Map<String, Value>> = object.get(key).and_then(Value::as_object);
+    let map: Option<&'a Map<String, Value>> = member(object, key).and_then(Value::as_object);
     map.into_iter().flatten().map(|(key, value)| (key.as_str(), value))
 }
 
 /// A non-negative integer.
 #[inline(never)]
 pub(super) fn uint(object: &Value, key: &str) -> Option<usize> {
-    object.get(key).and_then(index)
+    member(object, key).and_then(index)
 }
 
 /// The value itself as a non-negative integer; JSON may write it with a decimal point.
@@ -45,13 +56,13 @@ pub(super) fn index(value: &Value) -> Option<usize> {
 /// A string.
 #[inline(never)]
 pub(super) fn text<'a>(object: &'a Value, key: &str) -> Option<&'a str> {
-    object.get(key).and_then(Value::as_str)
+    member(object, key).and_then(Value::as_str)
 }
 
 /// The extension object of this name.
 #[inline(never)]
 pub(super) fn extension<'a>(object: &'a Value, name: &str) -> Option<&'a Value> {
-    object.get("extensions")?.get(name)
+    member(member(object, "extensions")?, name)
 }
 
 /// Removes one extension object, and `extensions` with it when nothing is left there.
@@ -79,11 +90,14 @@ pub(super) fn remove(object: &mut Value, key: &str) {
 /// Calls `visit` with every `(extension name, its object)` of the whole tree.
 pub(super) fn for_each_extension<'a>(tree: &'a Value, visit: &mut dyn FnMut(&'a str, &'a Value)) {
     match tree {
-        Value::Array(values) => values.iter().for_each(|value| for_each_extension(value, visit)),
+        Value::Array(values) => {
+            let nested = values.iter().filter(|value| value.is_object() || value.is_array());
+            nested.for_each(|value| for_each_extension(value, visit));
+        }
         Value::Object(object) => {
             for (key, value) in object {
                 if key == "extensions" {
-                    members(tree, key).for_each(|(name, value)| visit(name, value));
+                    value.as_object().into_iter().flatten().for_each(|(name, value)| visit(name, value));
                 }
                 if key != "extras" {
                     for_each_extension(value, visit);

@@ -156,7 +156,7 @@ fn declare(tree: &mut Value, set: &WedgeSet) -> Result<SetSource, Error> {
         accessors.push(object(vec![("componentType", 5126.into()), ("count", 1.into()), ("type", shape.into())]));
         attributes.push(AttributeSource { target: None, semantic: name.to_owned(), accessor: accessors.len() - 1 });
     }
-    Ok(SetSource { attributes, place: String::new() })
+    Ok(SetSource { attributes })
 }
 
 /// A mesh and its node in the scene; the index of the mesh.

@@ -1,275 +1,238 @@
 //! From checked accessors to a [`Mesh`]: every triangle primitive becomes a group.
+//!
+//! Numbers are read column by column, straight to where they stay. Only vertices that a triangle uses are, and where that
+//! is all of them, as in most files, nothing is looked up.
 
-use serde_json::Value;
+use super::PrimitiveSource;
+use std::ops::Range;
 
-use super::accessor::{Data, Elements};
-use super::json::{extension, index as as_index, items, members, uint};
-use super::layout::{Component, Shape};
-use super::schema::DRACO_EXTENSION;
-use super::unique::keep_unique;
-use super::{PrimitiveSource, SetSource, attributes};
+use super::accessor::Data;
+use super::layout::Component;
+use super::plan::{Budget, Plan, Planned, PlannedSet, open_columns, open_indices};
+use super::unique::{Rows, keep, repeated};
 use crate::error::{Error, ErrorCode, Warning};
 use crate::mesh::{Attribute, Group, Mesh, Part, WedgeSet};
 
-/// Numbers in a mesh (positions, attributes, indices), together 2 GiB: what a 4 GiB wasm memory
-/// can hold besides the file.
-const MOST_NUMBERS: usize = 1 << 29;
-/// Primitives may share their data, so a mesh may be larger than its file, but not without bound: this
-/// many numbers, and so many more for each byte. An unshared byte gives three at most (a strip of 8-bit
-/// indices), and one of a usual file a quarter.
-const MOST_NUMBERS_OF_NOTHING: usize = 1 << 22;
-const MOST_NUMBERS_PER_BYTE: usize = 16;
+/// Reads all vertices at once, and not one by one, where there are at most so many for each index.
+const MOST_VERTICES_PER_INDEX: usize = 8;
 
-/// The mesh and, for the writer, where each of its parts came from.
-pub(super) struct Geometry {
-    pub(super) mesh: Mesh,
-    pub(super) primitives: Vec<PrimitiveSource>,
-    pub(super) sets: Vec<SetSource>,
-}
+/// Marks a vertex that no triangle uses.
+const UNUSED: u32 = u32::MAX;
 
-/// Triangles of one primitive, indices as in the file.
-struct Indexed {
-    source: PrimitiveSource,
-    set: usize,
-    triangles: Vec<[u32; 3]>,
-}
-
-/// Reads all triangle primitives of all meshes; points, lines and triangles without positions are passed over.
+/// Reads what was planned.
 ///
 /// # Errors
-/// Of [`Elements::open`], and `out-of-range`, `not-finite`, `syntax`, `unsupported` or `too-large`
-/// at the primitive's JSON path.
-pub(super) fn geometry(data: Data<'_>, scales: &[f32], warnings: &mut Vec<Warning>) -> Result<Geometry, Error> {
-    let mut reader = Reader { data, warnings, numbers: 0, slots: Vec::new() };
-    let parts = scales.iter().map(|&scale| Part { scale }).collect();
-    let mut out = Geometry { mesh: Mesh { parts, ..Mesh::default() }, primitives: Vec::new(), sets: Vec::new() };
-    for (m, mesh) in items(data.tree, "meshes").iter().enumerate() {
-        let first_set = out.sets.len();
-        let mut read: Vec<Indexed> = Vec::new();
-        for (p, primitive) in items(mesh, "primitives").iter().enumerate() {
-            let mode = uint(primitive, "mode").unwrap_or(4);
-            if !(4..=6).contains(&mode) {
-                continue;
-            }
-            // Valid, for an extension or a shader may place them; they are carried through like points.
-            let attributes = primitive["attributes"].as_object();
-            if attributes.is_some_and(|attributes| !attributes.is_empty() && !attributes.contains_key("POSITION")) {
-                continue;
-            }
-            let place = format!("meshes[{m}].primitives[{p}]");
-            reader.check_draco(primitive, &place)?;
-            let attributes = attributes::list(primitive);
-            let set = match out.sets[first_set..].iter().position(|set: &SetSource| set.attributes == attributes) {
-                Some(known) => first_set + known,
-                None => {
-                    out.sets.push(SetSource { attributes, place: place.clone() });
-                    out.sets.len() - 1
-                }
-            };
-            let triangles = reader.triangles(primitive, mode, &place)?;
-            read.push(Indexed { source: PrimitiveSource { mesh: m, primitive: p }, set, triangles });
+/// `out-of-range`, `not-finite` or `too-large` at the primitive's JSON path.
+pub(super) fn geometry(
+    data: Data<'_>,
+    plan: &mut Plan,
+    scales: &[f32],
+    warnings: &mut Vec<Warning>,
+) -> Result<Mesh, Error> {
+    let Plan { primitives, sets, budget } = plan;
+    let mut mesh = Mesh { parts: scales.iter().map(|&scale| Part { scale }).collect(), ..Mesh::default() };
+    mesh.triangles.reserve_exact(primitives.iter().map(Planned::most_triangles).sum());
+    for planned in &*primitives {
+        let start = mesh.triangles.len();
+        read_triangles(data, planned, sets[planned.set].vertex_count, &mut mesh.triangles)?;
+        mesh.groups.push(Group { triangles: start..mesh.triangles.len(), wedge_set: planned.set });
+    }
+    let mut reader = Reader { data, warnings, budget, slots: Vec::new() };
+    for (number, set) in sets.iter().enumerate() {
+        reader.read_set(set, number, &mut mesh)?;
+    }
+    Ok(mesh)
+}
+
+/// Appends the triangles of a primitive; indices as in the file.
+fn read_triangles(
+    data: Data<'_>,
+    planned: &Planned,
+    vertex_count: usize,
+    triangles: &mut Vec<[u32; 3]>,
+) -> Result<(), Error> {
+    let (start, count) = (triangles.len(), planned.count);
+    let mut beside = Vec::new();
+    let indices = if planned.mode == 4 {
+        // Read in place, what is left over of a triangle too, for that has to be in range as well.
+        triangles.resize(start + count.div_ceil(3), [0; 3]);
+        &mut triangles[start..].as_flattened_mut()[..count]
+    } else {
+        beside.resize(count, 0);
+        &mut beside[..]
+    };
+    match planned.indices {
+        Some(accessor) => {
+            let elements = open_indices(data, accessor, planned.source)?;
+            elements.read_indices(indices);
+            check_indices(indices, elements.layout.component, vertex_count, planned.source)?;
         }
-        for set in first_set..out.sets.len() {
-            let wedges = reader.wedge_set(&out.sets[set], set, m, &mut read, &mut out.mesh)?;
-            out.mesh.wedge_sets.push(wedges);
+        None => indices.iter_mut().zip(0..).for_each(|(index, vertex)| *index = vertex),
+    }
+    triangles.truncate(start + count / 3);
+    // Every other triangle of a strip is turned round; repeated indices only stitch.
+    let is_strip = planned.mode == 5;
+    for i in 2..beside.len() {
+        let [a, b, c] = match (is_strip, i % 2) {
+            (true, 0) => [i - 2, i - 1, i],
+            (true, _) => [i - 1, i - 2, i],
+            (false, _) => [i - 1, i, 0],
         }
-        for Indexed { source, set, triangles } in read {
-            let start = out.mesh.triangles.len();
-            out.mesh.triangles.extend(triangles);
-            out.mesh.groups.push(Group { triangles: start..out.mesh.triangles.len(), wedge_set: set });
-            out.primitives.push(source);
+        .map(|i| beside[i]);
+        if a != b && b != c && c != a {
+            triangles.push([a, b, c]);
         }
     }
-    Ok(out)
+    Ok(())
+}
+
+fn check_indices(
+    indices: &[u32],
+    component: Component,
+    vertex_count: usize,
+    source: PrimitiveSource,
+) -> Result<(), Error> {
+    let restart = match component {
+        Component::U8 => u32::from(u8::MAX),
+        Component::U16 => u32::from(u16::MAX),
+        _ => u32::MAX,
+    };
+    // The largest first: that is many at a time.
+    let end = restart.min(u32::try_from(vertex_count).unwrap_or(u32::MAX));
+    let largest = indices.iter().fold(0, |largest, &index| if index > largest { index } else { largest });
+    if largest < end {
+        return Ok(());
+    }
+    let i = indices.iter().position(|&index| index >= end).unwrap_or(0);
+    let index = indices[i];
+    let reason = if index == restart {
+        format!("index {i} is {index}, which is reserved for primitive restart")
+    } else {
+        format!("index {i} is {index}, but there are {vertex_count} vertices")
+    };
+    Err(Error::new(ErrorCode::OutOfRange, format!("{}.indices", source.place()), reason))
 }
 
 struct Reader<'a, 'w> {
     data: Data<'a>,
     warnings: &'w mut Vec<Warning>,
-    numbers: usize,
-    /// For each vertex of the set being read, its place among the wedges; `u32::MAX` between sets.
+    budget: &'w mut Budget,
+    /// For each vertex of the set being read, its place among the wedges; [`UNUSED`] between sets.
     slots: Vec<u32>,
 }
 
-impl<'a> Reader<'a, '_> {
-    fn spend(&mut self, numbers: usize, place: &str) -> Result<(), Error> {
-        self.numbers = self.numbers.saturating_add(numbers);
-        if self.numbers > MOST_NUMBERS {
-            return Err(Error::new(ErrorCode::TooLarge, place, "the geometry does not fit into 2 GiB of memory"));
+impl Reader<'_, '_> {
+    /// Reads the vertices that triangles use of a set, each distinct one once, and turns the indices of these triangles
+    /// into wedges of the mesh.
+    fn read_set(&mut self, planned: &PlannedSet, number: usize, mesh: &mut Mesh) -> Result<(), Error> {
+        let Mesh { positions, triangles, groups, wedge_sets, .. } = mesh;
+        let PlannedSet { set, source, groups: beside, vertex_count } = planned;
+        let mine = groups[beside.clone()].iter().filter(|group| group.wedge_set == number);
+        let ranges: Vec<Range<usize>> = mine.map(|group| group.triangles.clone()).collect();
+        let picked = self.pick(&ranges, triangles, *vertex_count);
+        let count = picked.as_ref().map_or(*vertex_count, Vec::len);
+        let columns = open_columns(self.data, &set.attributes, *source)?;
+        let width: usize = columns.iter().map(|column| column.layout.components()).sum();
+        self.budget.spend(count.saturating_mul(width), &|| source.place())?;
+
+        let mut values: Vec<Vec<f32>> = Vec::with_capacity(columns.len());
+        for (column, attribute) in columns.iter().zip(&set.attributes) {
+            let components = column.layout.components();
+            let mut numbers = vec![0.0; count * components];
+            column.read(picked.as_deref(), &mut numbers);
+            match not_finite(&numbers) {
+                Some(at) if values.is_empty() => {
+                    let vertex = picked.as_ref().map_or(at as u32 / 3, |picked| picked[at / 3]);
+                    let message = format!("vertex {vertex} is not finite");
+                    return Err(Error::new(ErrorCode::NotFinite, attribute.place(*source), message));
+                }
+                Some(_) => self.warnings.push(repair(&mut numbers, components, attribute.place(*source))),
+                None => {}
+            }
+            values.push(numbers);
         }
-        let bytes = self.data.byte_count();
-        if self.numbers > MOST_NUMBERS_OF_NOTHING.saturating_add(bytes.saturating_mul(MOST_NUMBERS_PER_BYTE)) {
-            let message = format!("{} numbers from {bytes} bytes: the geometry is shared too often", self.numbers);
-            return Err(Error::new(ErrorCode::TooLarge, place, message));
+
+        let widths = columns.iter().map(|column| column.layout.components());
+        let rows: Vec<Rows<'_>> = values.iter().map(Vec::as_slice).zip(widths.clone()).collect();
+        let numbers = repeated(&rows, count);
+        if let Some(numbers) = &numbers {
+            values.iter_mut().zip(widths.clone()).for_each(|(values, width)| keep(values, width, numbers));
         }
+        let start = positions.len();
+        let vertex = |row: usize| picked.as_ref().map_or(row, |picked| picked[row] as usize);
+        if picked.is_some() || numbers.is_some() || start > 0 {
+            for row in 0..count {
+                let kept = numbers.as_ref().map_or(row as u32, |numbers| numbers[row]);
+                self.slots[vertex(row)] = start as u32 + kept;
+            }
+            for range in ranges {
+                let corners = triangles[range].as_flattened_mut();
+                corners.iter_mut().for_each(|vertex| *vertex = self.slots[*vertex as usize]);
+            }
+        }
+        (0..count).for_each(|row| self.slots[vertex(row)] = UNUSED);
+
+        let mut attributes = Vec::with_capacity(columns.len());
+        for (k, (values, components)) in values.into_iter().zip(widths).enumerate() {
+            if k == 0 {
+                positions.extend_from_slice(values.as_chunks::<3>().0);
+            } else {
+                attributes.push(Attribute { name: set.attributes[k].name(), components, values, blend: set.blend(k) });
+            }
+        }
+        wedge_sets.push(WedgeSet { wedges: start..positions.len(), part: source.mesh, attributes });
         Ok(())
     }
 
-    /// Draco data without an uncompressed copy would read as zeros.
-    fn check_draco(&self, primitive: &Value, place: &str) -> Result<(), Error> {
-        if extension(primitive, DRACO_EXTENSION).is_none() {
-            return Ok(());
-        }
-        let accessors = items(self.data.tree, "accessors");
-        let mut used = members(primitive, "attributes").map(|(_, v)| v).chain(primitive.get("indices"));
-        let has_copy = |accessor: &Value| {
-            let accessor = as_index(accessor).and_then(|accessor| accessors.get(accessor));
-            accessor.is_none_or(|json| json.get("bufferView").is_some() || json.get("sparse").is_some())
-        };
-        if used.all(has_copy) {
-            return Ok(());
-        }
-        let place = format!("{place}.extensions.{DRACO_EXTENSION}");
-        Err(Error::new(ErrorCode::Unsupported, place, "Draco-compressed geometry cannot be decoded yet"))
-    }
-
-    fn triangles(&mut self, primitive: &Value, mode: usize, place: &str) -> Result<Vec<[u32; 3]>, Error> {
-        let Some(position) = uint(&primitive["attributes"], "POSITION") else {
-            let place = format!("{place}.attributes.POSITION");
-            return Err(Error::new(ErrorCode::Syntax, place, "triangles without positions"));
-        };
-        let vertex_count = Elements::open(self.data, position)?.count;
-        let indices = match uint(primitive, "indices") {
-            None => None,
-            Some(accessor) => Some(self.indices(accessor, vertex_count, &format!("{place}.indices"))?),
-        };
-        let count = indices.as_ref().map_or(vertex_count, Vec::len);
-        self.spend(count.saturating_mul(if mode == 4 { 1 } else { 3 }), place)?;
-        let at = |i: usize| indices.as_ref().map_or(i as u32, |indices| indices[i]);
-        Ok(match mode {
-            4 => (0..count / 3).map(|t| [at(3 * t), at(3 * t + 1), at(3 * t + 2)]).collect(),
-            // Every other triangle of a strip is turned round; repeated indices only stitch.
-            5 => (2..count)
-                .map(|i| if i % 2 == 0 { [at(i - 2), at(i - 1), at(i)] } else { [at(i - 1), at(i - 2), at(i)] })
-                .filter(is_proper)
-                .collect(),
-            _ => (2..count).map(|i| [at(i - 1), at(i), at(0)]).filter(is_proper).collect(),
-        })
-    }
-
-    fn indices(&self, accessor: usize, vertex_count: usize, place: &str) -> Result<Vec<u32>, Error> {
-        let elements = Elements::open(self.data, accessor)?;
-        let layout = elements.layout;
-        let restart = match (layout.shape, layout.component) {
-            (Shape::Scalar, Component::U8) => u32::from(u8::MAX),
-            (Shape::Scalar, Component::U16) => u32::from(u16::MAX),
-            (Shape::Scalar, Component::U32) => u32::MAX,
-            _ => {
-                return Err(Error::new(ErrorCode::Syntax, place, "indices must be unsigned integers"));
-            }
-        };
-        let indices = elements.read_indices();
-        if let Some(i) = indices.iter().position(|&index| index as usize >= vertex_count || index == restart) {
-            let index = indices[i];
-            let reason = if index == restart {
-                format!("index {i} is {index}, which is reserved for primitive restart")
-            } else {
-                format!("index {i} is {index}, but there are {vertex_count} vertices")
-            };
-            return Err(Error::new(ErrorCode::OutOfRange, place, reason));
-        }
-        Ok(indices)
-    }
-
-    /// Reads the vertices that `primitives` use of a set, each distinct one once, and turns their
-    /// indices into wedges of the mesh.
-    fn wedge_set(
-        &mut self,
-        source: &SetSource,
-        set: usize,
-        part: usize,
-        primitives: &mut [Indexed],
-        mesh: &mut Mesh,
-    ) -> Result<WedgeSet, Error> {
-        let columns = self.open_columns(source)?;
-        let vertex_count = columns.first().map_or(0, |column| column.count);
-        self.slots.resize(self.slots.len().max(vertex_count), u32::MAX);
-        let mut used = Vec::new();
-        let mine = |primitive: &&mut Indexed| primitive.set == set;
-        for &vertex in primitives.iter_mut().filter(mine).flat_map(|p| p.triangles.iter().flatten()) {
-            if std::mem::replace(&mut self.slots[vertex as usize], 0) == u32::MAX {
-                used.push(vertex);
-            }
-        }
-        used.sort_unstable();
-        let width: usize = columns.iter().map(|column| column.layout.components()).sum();
-        self.spend(used.len().saturating_mul(width), &source.place)?;
-
-        let start = mesh.positions.len();
-        let mut rows = vec![0.0f32; used.len() * width];
-        let mut repaired = vec![0usize; columns.len()];
-        let mut offset = 0;
-        for (k, (column, repaired)) in columns.iter().zip(&mut repaired).enumerate() {
-            column.read_rows(&used, &mut rows, width, offset);
-            let components = column.layout.components();
-            for (row, vertex) in rows.chunks_exact_mut(width).zip(&used) {
-                let element = &mut row[offset..offset + components];
-                if element.iter().all(|value| value.is_finite()) {
-                    continue;
+    /// Those of `vertex_count` vertices that triangles of `ranges` use, ascending; `None` for all. Marks them in `slots`.
+    #[inline(never)]
+    fn pick(&mut self, ranges: &[Range<usize>], triangles: &[[u32; 3]], vertex_count: usize) -> Option<Vec<u32>> {
+        self.slots.resize(self.slots.len().max(vertex_count), UNUSED);
+        let index_count: usize = ranges.iter().map(|range| 3 * range.len()).sum();
+        let is_dense = vertex_count / MOST_VERTICES_PER_INDEX <= index_count;
+        let mut picked = Vec::new();
+        let mut count = 0;
+        for range in ranges {
+            for &vertex in triangles[range.clone()].as_flattened() {
+                if std::mem::replace(&mut self.slots[vertex as usize], 0) == UNUSED {
+                    count += 1;
+                    if !is_dense {
+                        picked.push(vertex);
+                    }
                 }
-                if k == 0 {
-                    let message = format!("vertex {vertex} is not finite");
-                    return Err(Error::new(ErrorCode::NotFinite, source.place_of(0), message));
-                }
-                *repaired += 1;
-                element.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
             }
-            offset += components;
         }
-        for (&vertex, number) in used.iter().zip(keep_unique(&mut rows, width)) {
-            self.slots[vertex as usize] = start as u32 + number;
+        if count == vertex_count {
+            return None;
         }
-        for primitive in primitives.iter_mut().filter(mine) {
-            primitive.triangles.iter_mut().flatten().for_each(|vertex| *vertex = self.slots[*vertex as usize]);
+        if is_dense {
+            picked.extend((0..vertex_count as u32).filter(|&vertex| self.slots[vertex as usize] == 0));
+        } else {
+            picked.sort_unstable();
         }
-        used.iter().for_each(|&vertex| self.slots[vertex as usize] = u32::MAX);
-        for (k, &count) in repaired.iter().enumerate().filter(|(_, count)| **count > 0) {
-            self.warnings.push(Warning {
-                code: "not-finite",
-                message: format!("{count} vertices had values that are not finite; they are 0 now"),
-                place: source.place_of(k),
-            });
-        }
-        let rows = rows.chunks_exact(width);
-        mesh.positions.extend(rows.clone().map(|row| [row[0], row[1], row[2]]));
-        let mut offset = 0;
-        let mut attributes = Vec::new();
-        for (k, column) in columns.iter().enumerate() {
-            let components = column.layout.components();
-            if k > 0 {
-                let mut values = Vec::with_capacity(rows.len() * components);
-                rows.clone().for_each(|row| values.extend_from_slice(&row[offset..offset + components]));
-                let blend = source.blend(k);
-                attributes.push(Attribute { name: source.attributes[k].name(), components, values, blend });
-            }
-            offset += components;
-        }
-        Ok(WedgeSet { wedges: start..mesh.positions.len(), part, attributes })
-    }
-
-    fn open_columns(&mut self, source: &SetSource) -> Result<Vec<Elements<'a>>, Error> {
-        let mut columns: Vec<Elements<'a>> = Vec::new();
-        for (k, attribute) in source.attributes.iter().enumerate() {
-            let column = Elements::open(self.data, attribute.accessor)?;
-            if !attribute.allows(column.layout.shape) {
-                let message = format!("{} cannot be {:?}", attribute.semantic, column.layout.shape);
-                return Err(Error::new(ErrorCode::Syntax, source.place_of(k), message));
-            }
-            if let Some(first) = columns.first().filter(|first| first.count != column.count) {
-                let message = format!("{} elements, but POSITION has {}", column.count, first.count);
-                return Err(Error::new(ErrorCode::Syntax, source.place_of(k), message));
-            }
-            // An f32 holds every integer only up to 2^24.
-            if column.layout.component == Component::U32 {
-                let message = "32-bit integers are not allowed as vertex attributes";
-                return Err(Error::new(ErrorCode::Unsupported, source.place_of(k), message));
-            }
-            columns.push(column);
-        }
-        Ok(columns)
+        Some(picked)
     }
 }
 
-fn is_proper([a, b, c]: &[u32; 3]) -> bool {
-    a != b && b != c && c != a
+/// The first number that is NaN or infinite.
+#[inline(never)]
+fn not_finite(values: &[f32]) -> Option<usize> {
+    const EXPONENT: u32 = 0x7f80_0000;
+    // Of all together first: that is many at a time.
+    let is_bad = |value: f32| value.to_bits() & EXPONENT == EXPONENT;
+    if values.iter().fold(false, |any, &value| any | is_bad(value)) {
+        return values.iter().position(|&value| is_bad(value));
+    }
+    None
+}
+
+/// Nothing is better than zeros in the place of what is no number.
+fn repair(values: &mut [f32], components: usize, place: String) -> Warning {
+    let mut count = 0;
+    for row in values.chunks_exact_mut(components) {
+        count += usize::from(row.iter().any(|value| !value.is_finite()));
+        row.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
+    }
+    let message = format!("{count} vertices had values that are not finite; they are 0 now");
+    Warning { code: "not-finite", message, place }
 }

@@ -8,7 +8,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde_json::Value;
 
 use super::json::{items, text, uint};
-use super::schema::MESHOPT_EXTENSIONS;
+use super::schema::{MESHOPT_EXTENSIONS, Root};
 use crate::document::NamedFile;
 use crate::document::lookup::{find_file, percent_decode, shorten};
 use crate::error::{Error, ErrorCode};
@@ -46,16 +46,13 @@ impl Content {
 /// `missing-resource`, `syntax` (a bad `data:` URI) or `truncated`, at `buffers[i]`.
 pub(super) fn load_buffers(
     tree: &Value,
+    root: &Root,
     files: &[NamedFile],
     main: usize,
     binary: Option<&Range<usize>>,
 ) -> Result<Vec<Content>, Error> {
     let mut needed = vec![false; items(tree, "buffers").len()];
-    for view in items(tree, "bufferViews") {
-        if let Some(needed) = uint(view, "buffer").and_then(|buffer| needed.get_mut(buffer)) {
-            *needed = true;
-        }
-    }
+    root.views.iter().for_each(|view| needed[view.buffer] = true);
     let buffers = items(tree, "buffers").iter().enumerate();
     buffers.map(|(i, buffer)| load_buffer(buffer, i, needed[i], files, main, binary)).collect()
 }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::accessor::{Data, read_all};
-use super::json::{extension, index as as_index, items, members, text};
+use super::json::{extension, index as as_index, items, members, text, uint};
 use super::schema::Root;
 use crate::document::{GroupLabel, Instance};
 use crate::error::Error;
@@ -71,10 +71,11 @@ pub(super) fn appearances(data: Data<'_>) -> Result<Appearances, Error> {
 
 /// Names for each primitive that became a group.
 pub(super) fn label(tree: &Value, mesh: usize, primitive: usize) -> GroupLabel {
-    let mesh_json = &tree["meshes"][mesh];
-    let material = as_index(&mesh_json["primitives"][primitive]["material"]);
+    let mesh_json = items(tree, "meshes").get(mesh);
+    let primitive_json = mesh_json.and_then(|json| items(json, "primitives").get(primitive));
+    let material = primitive_json.and_then(|json| uint(json, "material"));
     GroupLabel {
-        object: text(mesh_json, "name").map(str::to_owned),
+        object: mesh_json.and_then(|json| text(json, "name")).map(str::to_owned),
         group: None,
         material: material.map(|material| {
             let name = items(tree, "materials").get(material).and_then(|json| text(json, "name"));

@@ -6,7 +6,7 @@
 
 use serde_json::Value;
 
-use super::json::{path_at, text};
+use super::json::{items, path_at, text};
 use super::layout::{Component, Layout, Shape};
 use super::scene::{Matrix, compose};
 use super::spot::Spot;
@@ -118,7 +118,7 @@ struct Counts<'v, 'p> {
 
 impl Counts<'_, '_> {
     fn of(&self, list: &str) -> usize {
-        self.root.value.get(list).and_then(Value::as_array).map_or(0, Vec::len)
+        items(self.root.value, list).len()
     }
 
     /// The element of `list` that a member of `spot` refers to, if it does.

@@ -5,7 +5,7 @@
 
 use serde_json::Value;
 
-use super::json::index;
+use super::json::{index, member};
 use crate::error::{Error, ErrorCode};
 
 /// A value and the way to it. The way is a list on the stack: it costs nothing until it is printed.
@@ -63,7 +63,7 @@ impl<'v, 'p> Spot<'v, 'p> {
     /// The member under `key`; absent and `null` are the same.
     #[inline(never)]
     pub(super) fn field<'c>(&'c self, key: &'c str) -> Option<Spot<'v, 'c>> {
-        let value = self.value.get(key).filter(|value| !value.is_null())?;
+        let value = member(self.value, key).filter(|value| !value.is_null())?;
         Some(Spot { value, step: Step::Key(key), parent: Some(self) })
     }
 
@@ -99,6 +99,16 @@ impl<'v, 'p> Spot<'v, 'p> {
             return self.fail(ErrorCode::Syntax, "must be an object");
         };
         object.iter().try_for_each(|(key, value)| visit(&Spot { value, step: Step::Key(key), parent: Some(self) }))
+    }
+
+    /// Calls `visit` with the member under `key`; for `*` with each member or element.
+    pub(super) fn children(&self, key: &str, visit: &mut dyn FnMut(&Spot<'v, '_>)) {
+        let mut child = |value, step| visit(&Spot { value, step, parent: Some(self) });
+        match (self.value, key) {
+            (Value::Array(values), "*") => values.iter().enumerate().for_each(|(i, v)| child(v, Step::Index(i))),
+            (Value::Object(object), "*") => object.iter().for_each(|(key, value)| child(value, Step::Key(key))),
+            (value, _) => member(value, key).into_iter().for_each(|value| child(value, Step::Key(key))),
+        }
     }
 
     /// A whole number of at least 0; JSON may write it with a decimal point.

@@ -1,58 +1,95 @@
-//! Rows of numbers, each bit pattern kept once: an open-addressing table beside one flat array.
+//! Rows of numbers that lie in columns, each bit pattern kept once: an open-addressing table of the rows' hashes.
 
-/// Keeps the first of equal rows (bit for bit) of `width` numbers, in their order, and gives the number of each row
-/// among those kept.
-pub(super) fn keep_unique(values: &mut Vec<f32>, width: usize) -> Vec<u32> {
-    let rows = values.len() / width;
+/// Numbers of every row, and how many there are in each.
+pub(super) type Rows<'a> = (&'a [f32], usize);
+
+/// The number of each row among those kept: the first of equal rows (bit for bit in every column), in their order.
+/// `None` if no two are equal.
+pub(super) fn repeated(columns: &[Rows<'_>], count: usize) -> Option<Vec<u32>> {
+    let hashes = hashes(columns, count);
     // At most half full, so that probes stay short. A row's number plus one; 0 where free.
-    let slots = (rows.max(1) * 2).next_power_of_two();
+    let slots = (count.max(1) * 2).next_power_of_two();
     let mut table = vec![0u32; slots];
-    let mut numbers = Vec::with_capacity(rows);
+    // Empty as long as each row is its own.
+    let mut numbers = Vec::new();
     let mut kept = 0;
-    for row in 0..rows {
-        let start = row * width;
-        let mut slot = hash(&values[start..start + width]) as usize & (slots - 1);
-        let number = loop {
+    for (row, &hash) in hashes.iter().enumerate() {
+        let mut slot = hash as usize & (slots - 1);
+        let known = loop {
             let Some(found) = (table[slot] as usize).checked_sub(1) else {
-                values.copy_within(start..start + width, kept * width);
-                kept += 1;
-                table[slot] = kept as u32;
-                break kept - 1;
+                table[slot] = row as u32 + 1;
+                break None;
             };
-            let (known, row) = (&values[found * width..(found + 1) * width], &values[start..start + width]);
-            if known.iter().zip(row).all(|(a, b)| a.to_bits() == b.to_bits()) {
-                break found;
+            if hashes[found] == hash && columns.iter().all(|rows| equal(rows, found, row)) {
+                break Some(found);
             }
             slot = (slot + 1) & (slots - 1);
         };
-        numbers.push(number as u32);
+        if known.is_some() && kept == row {
+            numbers.reserve_exact(count);
+            numbers.extend(0..row as u32);
+        }
+        kept += usize::from(known.is_none());
+        if kept <= row {
+            numbers.push(known.map_or(kept as u32 - 1, |known| numbers[known]));
+        }
     }
-    values.truncate(kept * width);
-    numbers
+    (kept < count).then_some(numbers)
 }
 
-/// Multiply and fold, two numbers at a time; the fold carries high bits down to where the table looks.
-fn hash(row: &[f32]) -> u64 {
+/// Leaves the rows that are kept, by the numbers that [`repeated`] gave.
+pub(super) fn keep(values: &mut Vec<f32>, width: usize, numbers: &[u32]) {
+    let mut kept = 0;
+    for (row, &number) in numbers.iter().enumerate() {
+        if number as usize == kept {
+            values.copy_within(row * width..(row + 1) * width, kept * width);
+            kept += 1;
+        }
+    }
+    values.truncate(kept * width);
+}
+
+fn equal(&(values, width): &Rows<'_>, a: usize, b: usize) -> bool {
+    let row = |row: usize| &values[row * width..(row + 1) * width];
+    row(a).iter().zip(row(b)).all(|(a, b)| a.to_bits() == b.to_bits())
+}
+
+/// Multiply and fold; the fold carries high bits down to where the table looks.
+fn hashes(columns: &[Rows<'_>], count: usize) -> Vec<u32> {
     const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15; // 2^64 / golden ratio: odd, without a pattern in its bits
-    let (pairs, last) = row.as_chunks::<2>();
-    let mix = |h: u64, bits: u64| {
-        let h = (h ^ bits).wrapping_mul(FACTOR);
-        h ^ (h >> 29)
-    };
-    let h = pairs.iter().fold(FACTOR, |h, [a, b]| mix(h, u64::from(a.to_bits()) << 32 | u64::from(b.to_bits())));
-    // Once more, for the low bits of the high half have only now come down.
-    last.first().map_or(mix(h, 0), |last| mix(h, u64::from(last.to_bits())))
+    let mut hashes = vec![0u32; count];
+    for &(values, width) in columns {
+        for (hash, row) in hashes.iter_mut().zip(values.chunks_exact(width)) {
+            let h = row.iter().fold(u64::from(*hash) ^ FACTOR, |h, value| {
+                let h = (h ^ u64::from(value.to_bits())).wrapping_mul(FACTOR);
+                h ^ (h >> 32)
+            });
+            *hash = h as u32;
+        }
+    }
+    hashes
 }
 
 #[cfg(test)]
 mod tests {
-    use super::keep_unique;
+    use super::{keep, repeated};
 
     #[test]
     fn the_first_of_equal_rows_is_kept() {
         let mut values = vec![1.0, 2.0, 3.0, 4.0, 1.0, 2.0, 0.0, -0.0, 3.0, 4.0, 0.0, 0.0];
-        assert_eq!(keep_unique(&mut values, 2), [0, 1, 0, 2, 1, 3], "zeros of either sign differ");
-        assert_eq!(values, [1.0, 2.0, 3.0, 4.0, 0.0, 0.0, 0.0, 0.0]);
+        let numbers = repeated(&[(&values, 2)], 6).unwrap();
+        assert_eq!(numbers, [0, 1, 0, 2, 1, 3], "zeros of either sign differ");
+        keep(&mut values, 2, &numbers);
+        assert_eq!(values, [1.0, 2.0, 3.0, 4.0, 0.0, -0.0, 0.0, 0.0]);
+        assert_eq!(repeated(&[(&values, 2)], 4), None, "now all differ");
+    }
+
+    #[test]
+    fn rows_are_equal_only_in_every_column() {
+        let (a, b) = ([1.0, 1.0, 1.0, 2.0], [5.0, 6.0, 5.0, 5.0]);
+        assert_eq!(repeated(&[(&a, 1), (&b, 1)], 4).unwrap(), [0, 1, 0, 2]);
+        assert_eq!(repeated(&[(&a, 2), (&b, 2)], 2), None);
+        assert_eq!(repeated(&[], 0), None);
     }
 
     #[test]
@@ -61,7 +98,8 @@ mod tests {
             let row = |i: usize| (0..width).map(move |c| ((i * 31 + c) % 97) as f32);
             let mut values: Vec<f32> = (0..1000).flat_map(row).collect();
             let original = values.clone();
-            let numbers = keep_unique(&mut values, width);
+            let numbers = repeated(&[(&values, width)], 1000).unwrap();
+            keep(&mut values, width, &numbers);
             assert_eq!(values.len() / width, 97);
             for (i, &number) in numbers.iter().enumerate() {
                 let number = number as usize;
