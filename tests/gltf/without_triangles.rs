@@ -53,6 +53,22 @@ fn a_file_of_nodes_alone_goes_through() {
 }
 
 #[test]
+fn a_view_of_nothing_keeps_a_buffer_to_name() {
+    // Found by fuzzing: the buffer went with its content, and the output could not be read.
+    let json = json!({
+        "asset": { "version": "2.0" },
+        "buffers": [{ "uri": "data:application/octet-stream;base64,AAAAAA==", "byteLength": 4 }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 0, "byteStride": 4 }],
+    });
+    let document = open_glb(&json, Vec::new()).unwrap();
+    let (written, content) = take_apart(&document.write(document.mesh(), Format::Glb).unwrap());
+    assert_eq!(content.len(), 0);
+    assert_eq!(written["buffers"].as_array().unwrap().len(), 1);
+    let again = open_glb(&written, content).unwrap();
+    assert_eq!(again.mesh().triangles.len(), 0);
+}
+
+#[test]
 fn there_is_nothing_to_simplify_or_measure() {
     let (json, binary) = lines();
     let document = open_glb(&json, binary).unwrap();

@@ -78,6 +78,8 @@ const PLACEHOLDER: &str = "data:application/octet-stream;base64,AA==";
 /// All content in the first buffer. Every buffer keeps what else it says (name, extras, extensions); the last ones that
 /// say nothing are left out.
 pub(super) fn set_buffer(tree: &mut Value, length: usize) {
+    // A view of nothing, which is wrong but does no harm, still names a buffer.
+    let is_needed = length > 0 || !items(tree, "bufferViews").is_empty();
     let buffers = array(tree, "buffers");
     for buffer in buffers.iter_mut() {
         remove(buffer, "uri");
@@ -87,7 +89,7 @@ pub(super) fn set_buffer(tree: &mut Value, length: usize) {
     let speaks = |buffer: &Value| buffer.as_object().is_some_and(|buffer| !buffer.is_empty());
     buffers.truncate(buffers.iter().rposition(speaks).map_or(0, |last| last + 1));
     if buffers.is_empty() {
-        if length == 0 {
+        if !is_needed {
             remove(tree, "buffers");
             return;
         }
