@@ -267,7 +267,7 @@ export const de: Messages = {
   // --- arriving
   'arrival.progressive': 'Progressives Netz',
   'arrival.title': 'Beim Ankommen zusehen',
-  'arrival.hint': 'Nach einem Hundertstel der Bytes zu sehen, und mit jedem weiteren feiner.',
+  'arrival.hint': 'Nach einem kleinen Teil der Bytes zu sehen, und mit jedem weiteren feiner.',
   'arrival.making': '{name} wird zum progressiven Netz…',
   'arrival.received': 'Empfangen',
   'arrival.time': 'Zeit',

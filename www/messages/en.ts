@@ -265,7 +265,7 @@ export const en = {
   // --- arriving
   'arrival.progressive': 'Progressive mesh',
   'arrival.title': 'Watch it arrive',
-  'arrival.hint': 'Shown after a hundredth of its bytes, and finer with each that comes.',
+  'arrival.hint': 'Shown after a small part of its bytes, and finer with each that comes.',
   'arrival.making': 'Making a progressive mesh of {name}…',
   'arrival.received': 'Received',
   'arrival.time': 'Time',

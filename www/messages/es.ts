@@ -267,7 +267,7 @@ export const es: Messages = {
   // --- arriving
   'arrival.progressive': 'Malla progresiva',
   'arrival.title': 'Ver cómo llega',
-  'arrival.hint': 'Se ve tras una centésima de sus bytes y se afina con cada uno que llega.',
+  'arrival.hint': 'Se ve tras una pequeña parte de sus bytes y se afina con cada uno que llega.',
   'arrival.making': 'Creando una malla progresiva de {name}…',
   'arrival.received': 'Recibido',
   'arrival.time': 'Tiempo',

@@ -267,7 +267,7 @@ export const it: Messages = {
   // --- arriving
   'arrival.progressive': 'Mesh progressiva',
   'arrival.title': 'Guardala arrivare',
-  'arrival.hint': 'Visibile dopo un centesimo dei byte, e più fine con ognuno che arriva.',
+  'arrival.hint': 'Visibile dopo una piccola parte dei byte, e più fine con ognuno che arriva.',
   'arrival.making': 'Creazione di una mesh progressiva da {name}…',
   'arrival.received': 'Ricevuto',
   'arrival.time': 'Tempo',

@@ -267,7 +267,7 @@ export const ja: Messages = {
   // --- arriving
   'arrival.progressive': 'プログレッシブメッシュ',
   'arrival.title': '届く様子を見る',
-  'arrival.hint': '百分の一ほどのデータで表示され、届くにつれて細かくなります。',
+  'arrival.hint': 'ごく一部のデータで表示され、届くにつれて細かくなります。',
   'arrival.making': '{name} のプログレッシブメッシュを作成中…',
   'arrival.received': '受信',
   'arrival.time': '時間',

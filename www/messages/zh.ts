@@ -267,7 +267,7 @@ export const zh: Messages = {
   // --- arriving
   'arrival.progressive': '渐进网格',
   'arrival.title': '观看加载过程',
-  'arrival.hint': '只需约百分之一的数据即可显示，随后逐步变得精细。',
+  'arrival.hint': '只需一小部分数据即可显示，随后逐步变得精细。',
   'arrival.making': '正在将 {name} 制成渐进网格…',
   'arrival.received': '已接收',
   'arrival.time': '用时',
