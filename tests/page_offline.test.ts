@@ -2,7 +2,7 @@
 import { cpSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import type { Page } from 'playwright-core';
+import type { Locator, Page } from 'playwright-core';
 import { afterAll, beforeAll, beforeEach, expect, it } from 'vitest';
 import { at } from '../scripts/project.mjs';
 import { dropFiles } from './support/browser.mjs';
@@ -32,6 +32,19 @@ const kept = (part: string) =>
     }
     return false;
   }, part);
+/**
+ * Waits for what a new version shows. A browser passes on to it when the old worker has nothing to do; but under a
+ * debugger, as playwright is one, Chromium at times does not see that (3 of 24 runs; 0 of 20 without), so that here the
+ * worker is ended, as it is elsewhere after some idle seconds.
+ */
+async function passOn(sign: Locator): Promise<void> {
+  const session = await page.context().newCDPSession(page);
+  await session.send('ServiceWorker.enable');
+  const seen = () => sign.waitFor({ state: 'attached', timeout: 4000 }).then(() => true, () => false);
+  for (let round = 0; round < 10 && !(await seen()); round += 1) await session.send('ServiceWorker.stopAllWorkers');
+  expect(await sign.count()).toBe(1);
+  await session.detach();
+}
 const isControlled = () => page.evaluate(() => navigator.serviceWorker.controller !== null);
 
 it('can be installed: the manifest is whole and its pictures are there', async () => {
@@ -87,7 +100,7 @@ it('offers a new version, and loads it only when that is wanted', async () => {
     await page.reload();
     expect(await page.locator('meta[name=version]').count()).toBe(0);
     await offer.getByRole('button', { name: 'Load it now' }).click();
-    await page.locator('meta[name=version]').waitFor({ state: 'attached' });
+    await passOn(page.locator('meta[name=version]'));
     expect(await page.evaluate(async () => (await caches.keys()).filter((name) => name.startsWith('decimesh-build-')))).toEqual(['decimesh-build-next']);
   } finally {
     writeFileSync(path, before);

@@ -33,6 +33,11 @@ const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true }
 const bar = () => page.getByRole('region', { name: 'Protect by painting' });
 const tool = () => page.getByRole('button', { name: 'Protect by painting' });
 const view = () => page.getByRole('application');
+/** By the button; its code is fetched when it is asked for first, and until then a drag turns the model. */
+async function takeBrush(): Promise<void> {
+  await tool().click();
+  await bar().waitFor();
+}
 const undo = () => page.getByRole('button', { name: 'Undo', exact: true });
 const redo = () => page.getByRole('button', { name: 'Redo', exact: true });
 const strength = (tenths: number) => bar().getByRole('slider', { name: 'Strength' }).fill(String(tenths));
@@ -97,7 +102,7 @@ describe('the brush', () => {
 
   it('is put down with its paint, which is cleared as a step of its own', async () => {
     await openPage(nefertiti);
-    await tool().click();
+    await takeBrush();
     await drag([520, 260], [580, 280]);
     await expect.poll(painted, LONG).toBeGreaterThan(200);
     const first = await painted();
@@ -110,7 +115,7 @@ describe('the brush', () => {
     await page.keyboard.press('Escape');
     await bar().waitFor({ state: 'detached' });
     // Taken up again, the paint is there.
-    await tool().click();
+    await takeBrush();
     await expect.poll(painted, LONG).toBe(first);
     expect((await stablePicture()).equals(withPaint)).toBe(true);
   });
@@ -124,7 +129,7 @@ describe('the brush', () => {
       return Number((await page.getByRole('textbox', { name: 'Exact triangle count' }).inputValue()).replace(/\D/g, ''));
     };
     const before = await fewest();
-    await tool().click();
+    await takeBrush();
     await strength(10);
     await drag([520, 260], [580, 280]);
     await expect.poll(painted, LONG).toBeGreaterThan(200);
@@ -141,7 +146,7 @@ describe('the brush', () => {
     await status(/^Ready\. Showing/);
     await page.keyboard.press('w');
     const even = await stablePicture();
-    await tool().click();
+    await takeBrush();
     await strength(6);
     await drag([520, 260], [580, 280]);
     await expect.poll(painted, LONG).toBeGreaterThan(200);
@@ -193,7 +198,7 @@ describe('the brush', () => {
 
   it('turns the model with the other button or Shift, and paints nothing on the background', async () => {
     await openPage(nefertiti);
-    await tool().click();
+    await takeBrush();
     const before = await stablePicture();
     await drag([520, 260], [600, 260], { button: 'right' });
     await expect.poll(async () => (await picture()).equals(before), LONG).toBe(false);
@@ -237,7 +242,7 @@ describe('the brush', () => {
     await page.locator('.scene-tree input').first().uncheck();
     await page.keyboard.press('o');
     await status(/^Ready/);
-    await tool().click();
+    await takeBrush();
     await bar().getByRole('slider', { name: 'Size' }).fill('120');
     await drag([540, 300], [560, 310]);
     await expect.poll(painted, LONG).toBeGreaterThan(500);
@@ -246,7 +251,7 @@ describe('the brush', () => {
     await status(/nefertiti|^Ready/);
     await bar().waitFor({ state: 'detached' });
     await status(/^Ready/);
-    await tool().click();
+    await takeBrush();
     expect(await painted()).toBe(0);
     await drag([520, 260], [580, 280]);
     await expect.poll(painted, LONG).toBeGreaterThan(100);
@@ -256,7 +261,7 @@ describe('the brush', () => {
 describe('for everyone', () => {
   it.each([['light', 1280], ['dark', 360]] as const)('has nothing that axe-core objects to while painting, %s at %i pixels', async (colorScheme, width) => {
     await openPage(nefertiti, { colorScheme, viewport: { width, height: 800 } });
-    await tool().click();
+    await takeBrush();
     await drag([width * 0.48, 300], [width * 0.52, 310]);
     await expect.poll(painted, LONG).toBeGreaterThan(50);
     expect(await violationsOf(page)).toEqual([]);
