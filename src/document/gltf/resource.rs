@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
+use crate::document::json_tree::Value;
 use base64::Engine as _;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use crate::document::json_tree::Value;
 
 use super::json::{items, text, uint};
 use super::schema::{MESHOPT_EXTENSIONS, Root};

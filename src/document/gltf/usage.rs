@@ -23,7 +23,8 @@ pub(super) fn replaceable(tree: &Value, replaced: &[PrimitiveSource]) -> Replace
         for (primitive, json) in items(json, "primitives").iter().enumerate() {
             // Both lists have the order of the file.
             let is_replaced = replaced.next_if_eq(&&PrimitiveSource { mesh, primitive }).is_some();
-            let targets = items(json, "targets").iter().filter_map(Value::as_object).flat_map(Members::iter).map(|(_, v)| v);
+            let targets =
+                items(json, "targets").iter().filter_map(Value::as_object).flat_map(Members::iter).map(|(_, v)| v);
             let used = members(json, "attributes").map(|(_, v)| v).chain(json.get("indices")).chain(targets);
             used.filter_map(as_index).for_each(|accessor| accessors.mark(accessor, is_replaced));
             let draco = extension(json, DRACO_EXTENSION).and_then(|draco| uint(draco, "bufferView"));
