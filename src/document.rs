@@ -6,6 +6,8 @@ mod external;
 mod faces;
 mod flat;
 pub mod gltf;
+mod json_parse;
+mod json_tree;
 mod lookup;
 mod losses;
 mod material;

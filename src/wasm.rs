@@ -44,16 +44,18 @@ pub fn version() -> String {
 #[wasm_bindgen(js_name = externalFiles)]
 #[must_use]
 pub fn external_files(bytes: &[u8]) -> String {
-    serde_json::Value::from(crate::document::external_files(bytes)).to_string()
+    serde_json::to_string(&crate::document::external_files(bytes)).unwrap_or_default()
 }
 
 fn thrown(error: Error) -> JsValue {
-    let object = serde_json::json!({
-        "code": error.code().as_str(),
-        "message": error.message(),
-        "where": error.place(),
-    });
-    js_sys::JSON::parse(&object.to_string()).unwrap_or(JsValue::UNDEFINED)
+    #[derive(Serialize)]
+    struct Thrown<'a> {
+        code: &'a str,
+        message: &'a str,
+        r#where: &'a str,
+    }
+    let object = Thrown { code: error.code().as_str(), message: error.message(), r#where: error.place() };
+    js_sys::JSON::parse(&serde_json::to_string(&object).unwrap_or_default()).unwrap_or(JsValue::UNDEFINED)
 }
 
 fn parse<'a, T: Deserialize<'a>>(json: &'a str, place: &str) -> Result<T, JsValue> {

@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 
-use serde_json::Value;
+use super::json_tree::Value;
 
 use super::sniff::decode_utf16;
-use super::{obj, ply};
+use super::{json_parse, obj, ply};
 
 /// What a file names beside itself, in order, each once: the buffers and images of a glTF that are
 /// not embedded, the material libraries of an OBJ, the images of such a library, the texture in a
@@ -22,7 +22,7 @@ pub fn external_files(bytes: &[u8]) -> Vec<String> {
     }
     let json = if bytes.starts_with(b"glTF") { glb_json(bytes).unwrap_or_default() } else { bytes };
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
-    let Ok(tree) = serde_json::from_slice::<Value>(json) else { return Vec::new() };
+    let Ok(tree) = json_parse::parse(json) else { return Vec::new() };
     let mut found: Vec<String> = Vec::new();
     for list in ["buffers", "images"] {
         for item in tree.get(list).and_then(Value::as_array).into_iter().flatten() {

@@ -28,7 +28,7 @@ mod unique;
 mod usage;
 mod write;
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use crate::document::lookup::shorten;
 use crate::document::{Format, NamedFile, SceneLayout};

@@ -10,7 +10,7 @@
 //!
 //! ¹ from STL with colours of facets. ² without alpha. ³ from OBJ: its libraries are named.
 
-use serde_json::Value;
+use super::json_tree::Value;
 
 use super::{Format, SceneLayout};
 use crate::error::Warning;

@@ -5,6 +5,7 @@ use super::layout::{Component, Layout, Shape};
 use super::resource::Content;
 use super::schema::{MESHOPT_EXTENSIONS, Root};
 use crate::document::NamedFile;
+use crate::document::json_tree::Value;
 use crate::error::{Error, ErrorCode};
 
 /// Elements that a file of no size may claim without a byte behind them; each byte of the files
@@ -16,7 +17,7 @@ const MOST_ZEROS: usize = 1 << 16;
 #[derive(Clone, Copy)]
 pub(super) struct Data<'a> {
     pub(super) root: &'a Root,
-    pub(super) tree: &'a serde_json::Value,
+    pub(super) tree: &'a Value,
     pub(super) buffers: &'a [Content],
     pub(super) files: &'a [NamedFile],
 }

@@ -1,6 +1,6 @@
 //! Which accessor is which attribute: names, order, and what the names mean.
 
-use serde_json::Value;
+use crate::document::json_tree::{Members, Value};
 
 use super::json::{index as as_index, items, members};
 use super::layout::Shape;
@@ -25,8 +25,8 @@ pub(super) fn list(primitive: &Value) -> Vec<AttributeSource> {
         list.extend(partner("JOINTS_", "WEIGHTS_").map(|weights| source(None, weights)));
     }
     for (t, target) in items(primitive, "targets").iter().enumerate() {
-        let deltas = target.as_object().into_iter().flatten();
-        let deltas = deltas.filter_map(|(name, accessor)| Some((name.as_str(), as_index(accessor)?)));
+        let deltas = target.as_object().into_iter().flat_map(Members::iter);
+        let deltas = deltas.filter_map(|(name, accessor)| Some((name, as_index(accessor)?)));
         list.extend(deltas.map(|delta| source(Some(t), &delta)));
     }
     list

@@ -1,6 +1,6 @@
 //! The part of the tree that is only carried through: what is wrong there, or becomes so, is told.
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use super::json::{index, items};
 use super::spot::Spot;

@@ -1,6 +1,6 @@
 //! A column of the output: the elements of one accessor, and how each is stored.
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use super::layout::{Component, Layout};
 
@@ -181,6 +181,6 @@ pub(super) fn bounds_to_json(layout: Layout, bounds: &[(f64, f64)]) -> (Value, V
     let number = |value: f64| {
         if layout.component == Component::F32 { Value::from(value) } else { Value::from(value as i64) }
     };
-    let list = |pick: fn(&(f64, f64)) -> f64| bounds.iter().map(|pair| number(pick(pair))).collect();
+    let list = |pick: fn(&(f64, f64)) -> f64| bounds.iter().map(|pair| number(pick(pair))).collect::<Vec<_>>().into();
     (list(|pair| pair.0), list(|pair| pair.1))
 }

@@ -2,29 +2,23 @@
 //!
 //! `inline(never)` as in [`super::spot`]: for small code.
 
-use serde_json::{Map, Value};
+use crate::document::json_tree::{Members, Value};
 
 /// An object with these members; `json!` would be a screen of code at every place.
 #[inline(never)]
 pub(super) fn object(members: Vec<(&str, Value)>) -> Value {
-    Value::Object(members.into_iter().map(|(key, value)| (key.to_owned(), value)).collect())
+    Value::Object(Box::new(members.into_iter().collect()))
 }
 
-/// The member of an object under `key`. Of a few members, and few have more, one is found sooner than hashed.
-#[inline(never)]
+/// The member of an object under `key`.
 pub(super) fn member<'a>(object: &'a Value, key: &str) -> Option<&'a Value> {
-    const FEW: usize = 16;
-    let object = object.as_object()?;
-    if object.len() > FEW {
-        return object.get(key);
-    }
-    object.iter().find(|(name, _)| *name == key).map(|(_, value)| value)
+    object.get(key)
 }
 
 /// The array under `key`, or an empty one.
 #[inline(never)]
 pub(super) fn items<'a>(object: &'a Value, key: &str) -> &'a [Value] {
-    member(object, key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+    object.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }
 
 /// The array under `key`, to change.
@@ -35,8 +29,7 @@ pub(super) fn items_mut<'a>(object: &'a mut Value, key: &str) -> &'a mut [Value]
 
 /// The members of the object under `key`, in the order of the file.
 pub(super) fn members<'a>(object: &'a Value, key: &str) -> impl Iterator<Item = (&'a str, &'a Value)> + use<'a> {
-    let map: Option<&'a Map<String, Value>> = member(object, key).and_then(Value::as_object);
-    map.into_iter().flatten().map(|(key, value)| (key.as_str(), value))
+    object.get(key).and_then(Value::as_object).into_iter().flat_map(Members::iter)
 }
 
 /// A non-negative integer.
@@ -74,8 +67,8 @@ pub(super) fn remove_extension(object: &mut Value, name: &str) {
     let Some(extensions) = object.get_mut("extensions").and_then(Value::as_object_mut) else {
         return;
     };
-    if extensions.shift_remove(name).is_some() && extensions.is_empty() {
-        object.shift_remove("extensions");
+    if extensions.remove(name).is_some() && extensions.is_empty() {
+        object.remove("extensions");
     }
 }
 
@@ -83,7 +76,7 @@ pub(super) fn remove_extension(object: &mut Value, name: &str) {
 #[inline(never)]
 pub(super) fn remove(object: &mut Value, key: &str) {
     if let Some(object) = object.as_object_mut() {
-        object.shift_remove(key);
+        object.remove(key);
     }
 }
 
@@ -95,9 +88,9 @@ pub(super) fn for_each_extension<'a>(tree: &'a Value, visit: &mut dyn FnMut(&'a 
             nested.for_each(|value| for_each_extension(value, visit));
         }
         Value::Object(object) => {
-            for (key, value) in object {
+            for (key, value) in object.iter() {
                 if key == "extensions" {
-                    value.as_object().into_iter().flatten().for_each(|(name, value)| visit(name, value));
+                    value.as_object().into_iter().flat_map(Members::iter).for_each(|(name, value)| visit(name, value));
                 }
                 if key != "extras" {
                     for_each_extension(value, visit);

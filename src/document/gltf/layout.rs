@@ -1,6 +1,6 @@
 //! How the numbers of one accessor element are stored.
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use super::json::{index, text};
 

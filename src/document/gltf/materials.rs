@@ -1,6 +1,6 @@
 //! Materials of another format in the tree of a new file.
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use super::json::object;
 use super::write::array;

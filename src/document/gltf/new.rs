@@ -1,6 +1,6 @@
 //! A glTF file for a mesh that came from another format: the smallest tree that names its parts.
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use super::json::object;
 use super::resource::Content;
@@ -43,7 +43,7 @@ pub(in crate::document) fn write_new(mesh: &Mesh, layout: &SceneLayout) -> Resul
         });
         let mut primitive = object(vec![("attributes", object(Vec::new()))]);
         for attribute in &sets[group.wedge_set].attributes {
-            primitive["attributes"][&attribute.semantic] = attribute.accessor.into();
+            primitive["attributes"][&*attribute.semantic] = attribute.accessor.into();
         }
         if let Some(name) = label.material.as_deref() {
             let has_texcoords = sets[group.wedge_set].attributes.iter().any(|a| a.semantic == "TEXCOORD_0");

@@ -1,6 +1,6 @@
 //! Lays out the binary chunk: new columns, what is kept of the old buffers, and images.
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use super::column::{Column, bounds_to_json, sparse_index};
 use super::json::{items, object, remove, remove_extension, uint};

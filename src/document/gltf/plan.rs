@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use super::accessor::{Data, Elements};
 use super::json::{extension, index as as_index, items, member, members, uint};

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
+use crate::document::json_tree::Value;
 use base64::Engine as _;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use serde_json::Value;
 
 use super::json::{items, text, uint};
 use super::schema::{MESHOPT_EXTENSIONS, Root};
@@ -106,7 +106,7 @@ fn load_buffer(
 }
 
 fn is_fallback(buffer: &Value) -> bool {
-    MESHOPT_EXTENSIONS.iter().any(|name| buffer["extensions"][name]["fallback"].as_bool() == Some(true))
+    MESHOPT_EXTENSIONS.iter().any(|&name| buffer["extensions"][name]["fallback"].as_bool() == Some(true))
 }
 
 /// The bytes a URI stands for; `Ok(None)` when it names a file that was not given.

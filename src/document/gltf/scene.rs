@@ -1,6 +1,6 @@
 //! Where the scenes show each mesh, and how large.
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use super::accessor::{Data, read_all};
 use super::json::{extension, index as as_index, items, members, text, uint};

@@ -4,7 +4,8 @@
 //! error at its JSON path. The rest of the tree is only carried through, so a fault there is none
 //! of ours; [`super::carried`] warns of the worst.
 
-use serde_json::Value;
+use crate::document::json_parse::{self, Fault};
+use crate::document::json_tree::Value;
 
 use super::json::{items, path_at, text};
 use super::layout::{Component, Layout, Shape};
@@ -84,7 +85,7 @@ pub(super) fn parse(json: &[u8]) -> Result<(Value, Root), Error> {
     // Neither is allowed, and both occur: a byte-order mark, and zeros that pad a GLB chunk.
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
     let json = &json[..json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1)];
-    let tree: Value = serde_json::from_slice(json).map_err(|error| syntax_error(json, &error))?;
+    let tree: Value = json_parse::parse(json).map_err(|fault| syntax_error(json, fault))?;
     check_version(&tree)?;
     let root = read_root(&Spot::root(&tree))?;
     Ok((tree, root))
@@ -138,7 +139,7 @@ fn read_root(root: &Spot<'_, '_>) -> Result<Root, Error> {
     list(root, "buffers", |buffer| {
         buffer.field("byteLength").map_or(Ok(0), |length| length.size())?;
         match buffer.field("uri") {
-            Some(uri) if !uri.value.is_string() => uri.fail(ErrorCode::Syntax, "must be a string"),
+            Some(uri) if uri.value.as_str().is_none() => uri.fail(ErrorCode::Syntax, "must be a string"),
             _ => Ok(()),
         }
     })?;
@@ -280,21 +281,15 @@ fn read_local(node: &Spot<'_, '_>) -> Result<Option<Matrix>, Error> {
 }
 
 /// A parser's error at the JSON path where it struck, with line and column for an editor.
-fn syntax_error(json: &[u8], error: &serde_json::Error) -> Error {
-    let (line, column) = (error.line(), error.column());
-    let line_start = match line {
-        0 | 1 => 0,
-        _ => json.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(line - 2).map_or(0, |(at, _)| at + 1),
-    };
-    let mut message = error.to_string();
-    if let Some(end) = message.rfind(" at line ") {
-        message.truncate(end);
-    }
+fn syntax_error(json: &[u8], fault: Fault) -> Error {
+    let before = &json[..fault.at];
+    let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;
+    let column = fault.at - before.iter().rposition(|&byte| byte == b'\n').map_or(0, |at| at + 1) + 1;
     let position = format!("line {line} column {column}");
-    let path = path_at(json, line_start + column);
+    let path = path_at(json, fault.at + 1);
     // A nesting bomb has a path as long as itself.
     const LONGEST: usize = 120;
     let place = if path.is_empty() || path.len() > LONGEST { position } else { format!("{path} ({position})") };
-    let code = if error.is_eof() { ErrorCode::Truncated } else { ErrorCode::Syntax };
-    Error::new(code, place, format!("JSON: {message}"))
+    let code = if fault.is_end { ErrorCode::Truncated } else { ErrorCode::Syntax };
+    Error::new(code, place, format!("JSON: {}", fault.message))
 }

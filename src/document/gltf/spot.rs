@@ -3,7 +3,7 @@
 //! `inline(never)` throughout: reading the JSON's fields takes no time that counts, and its code is
 //! downloaded by everybody.
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use super::json::{index, member};
 use crate::error::{Error, ErrorCode};

@@ -2,7 +2,7 @@
 //!
 //! What nobody is known to use is kept: an extension that is not understood may.
 
-use serde_json::Value;
+use crate::document::json_tree::{Members, Value};
 
 use super::PrimitiveSource;
 use super::json::{extension, for_each_extension, index as as_index, items, members, uint};
@@ -23,7 +23,8 @@ pub(super) fn replaceable(tree: &Value, replaced: &[PrimitiveSource]) -> Replace
         for (primitive, json) in items(json, "primitives").iter().enumerate() {
             // Both lists have the order of the file.
             let is_replaced = replaced.next_if_eq(&&PrimitiveSource { mesh, primitive }).is_some();
-            let targets = items(json, "targets").iter().filter_map(Value::as_object).flatten().map(|(_, v)| v);
+            let targets =
+                items(json, "targets").iter().filter_map(Value::as_object).flat_map(Members::iter).map(|(_, v)| v);
             let used = members(json, "attributes").map(|(_, v)| v).chain(json.get("indices")).chain(targets);
             used.filter_map(as_index).for_each(|accessor| accessors.mark(accessor, is_replaced));
             let draco = extension(json, DRACO_EXTENSION).and_then(|draco| uint(draco, "bufferView"));
@@ -61,8 +62,8 @@ fn mark_references(value: &Value, accessors: &mut Marks, views: &mut Marks) {
     match value {
         Value::Array(values) => values.iter().for_each(|value| mark_references(value, accessors, views)),
         Value::Object(object) => {
-            for (key, value) in object {
-                match (key.as_str(), as_index(value)) {
+            for (key, value) in object.iter() {
+                match (key, as_index(value)) {
                     ("bufferView", Some(view)) => views.mark(view, false),
                     ("accessor" | "indices" | "input" | "output", Some(accessor)) => {
                         accessors.mark(accessor, false);

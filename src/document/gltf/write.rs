@@ -4,7 +4,7 @@
 //! animations would refer to a mesh that may not be empty; so one vertex of the original is kept
 //! as a point: the count of triangles stays honest, and what is left looks like a speck.
 
-use serde_json::Value;
+use crate::document::json_tree::Value;
 
 use super::column::{Column, Content};
 use super::json::{items, items_mut, object, remove, remove_extension, text, uint};
@@ -65,7 +65,8 @@ pub(in crate::document) fn write(source: &GltfSource, mesh: &Mesh) -> Result<Vec
     let binary = pack::pack(&mut tree, &list, &replaceable.views, &buffers, &images);
     pack::set_buffer(&mut tree, binary.len());
     forget_extensions(&mut tree);
-    let json = serde_json::to_vec(&tree).map_err(|e| Error::new(ErrorCode::TooLarge, "output", e.to_string()))?;
+    let mut json = Vec::new();
+    tree.write(&mut json);
     container::build(&json, &binary)
 }
 
@@ -252,7 +253,7 @@ fn point_to(primitive: &mut Value, set: &SetSource, accessors: &[usize], indices
             Some(target) => &mut primitive["targets"][target],
             None => &mut primitive["attributes"],
         };
-        holder[&attribute.semantic] = accessor.into();
+        holder[&*attribute.semantic] = accessor.into();
     }
     match indices {
         Some(indices) => {
@@ -308,7 +309,7 @@ fn forget_extensions(tree: &mut Value) {
             let Some(names) = tree.get_mut(key).and_then(Value::as_array_mut) else {
                 continue;
             };
-            names.retain(|listed| used || listed != name);
+            names.retain(|listed| used || listed.as_str() != Some(name));
             if names.is_empty() {
                 remove(tree, key);
             }
