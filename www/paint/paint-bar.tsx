@@ -24,7 +24,7 @@ export function PaintBar({ mode, insets, painted, actions }: PaintBarProps) {
   return (
     <section class="panel paint-bar" aria-label={t('paint.name')} style={{ '--left': `${insets.left}px`, '--right': `${insets.right}px` }}>
       <div class="paint-controls">
-        <fieldset class="paint-choices">
+        <fieldset class="paint-choices choices">
           <legend class="visually-hidden">{t('paint.way')}</legend>
           {([[false, 'paint.paint'], [true, 'paint.erase']] as const).map(([value, name]) => (
             <label key={name} title={`${t(name)} (X)`}>
