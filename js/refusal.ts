@@ -61,9 +61,9 @@ export class Refusal {
 
   /**
    * Refuses what made `sets` and `groups`, a level, farther than `limit` from the original, unless that is in too many places.
-   * Resolves to how many they were.
+   * Resolves to how many they were; rejects with the signal's reason, and then nothing more has been refused.
    */
-  async refuse(sets: readonly MeasuredSet[], groups: readonly MeasuredGroup[], limit: number): Promise<number> {
+  async refuse(sets: readonly MeasuredSet[], groups: readonly MeasuredGroup[], limit: number, signal?: AbortSignal): Promise<number> {
     const far = sets.reduce((all, { surroundings }) => surroundings.reduce((sum, distance) => sum + (distance > limit ? 1 : 0), all), 0);
     if (far > MOST_FAR * sets.reduce((sum, { surroundings }) => sum + surroundings.length, 0)) return far;
     // Of places whose surroundings overlap, the farthest counts, and what was before this level.
@@ -76,7 +76,9 @@ export class Refusal {
         const factor = distance > 1 ? Math.min(Math.max(distance * distance, LEAST_FACTOR), MOST_FACTOR) : NEAR_FACTOR;
         this.#raise(set, at, ring, positions, factor, raises);
         count += 1;
-        if (count % PLACES_AT_ONCE === 0) await yieldToEvents();
+        if (count % PLACES_AT_ONCE !== 0) continue;
+        await yieldToEvents();
+        signal?.throwIfAborted();
       }
     }
     for (let vertex = 0; vertex < raises.length; vertex += 1) {
@@ -92,7 +94,8 @@ export class Refusal {
     const start = this.#starts[set] as number;
     const place = positions.subarray(3 * at, 3 * at + 3);
     const neighbours = [...ring].map((vertex) => positions.subarray(3 * vertex, 3 * vertex + 3));
-    const longest = Math.sqrt(Math.max(0, ...neighbours.map((neighbour) => squaredDistance(place, neighbour))));
+    // The tip of a fan has more neighbours than a call may have arguments.
+    const longest = Math.sqrt(neighbours.reduce((most, neighbour) => Math.max(most, squaredDistance(place, neighbour)), 0));
     const around = (share: number, act: (vertex: number) => void): void =>
       grid.within(place, share * longest, (point, position) => {
         const own = squaredDistance(position, place);

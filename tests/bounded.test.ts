@@ -136,6 +136,31 @@ describe('what is refused', () => {
     expect(new Set(refusal.weights())).toEqual(new Set([2, 5]));
   });
 
+  it('takes the tip of a fan of any number of triangles', async () => {
+    const count = 200_000;
+    const positions = new Float32Array(3 * (count + 2));
+    const indices = new Uint32Array(3 * count);
+    for (let at = 0; at <= count; at += 1) {
+      positions.set([Math.cos(at), Math.sin(at), 1], 3 * (at + 1));
+      if (at < count) indices.set([0, at + 1, at + 2], 3 * at);
+    }
+    const surroundings = new Float32Array(count + 2);
+    surroundings[0] = 2;
+    const refusal = new Refusal([Float32Array.of(0, 0, 0)]);
+    expect(await refusal.refuse([{ positions, surroundings }], [{ wedgeSet: 0, indices }], 1)).toBe(1);
+    expect(refusal.weights()).toEqual(Float32Array.of(3));
+  });
+
+  it('is nothing after an abort', async () => {
+    const refusal = new Refusal([original.positions]);
+    const level = plane(100, (x, y) => (x % 5 === 0 && y % 5 === 0 && y < 90 ? 2 : 0));
+    const controller = new AbortController();
+    const refused = refusal.refuse([level], [{ wedgeSet: 0, indices: level.indices }], 1, controller.signal);
+    controller.abort(new Error('enough'));
+    await expect(refused).rejects.toThrow('enough');
+    expect(weighted(refusal.weights())).toEqual([]);
+  });
+
   it('lets the others go on: fewer triangles than any level of the record within the limit', async () => {
     // A narrow strip with a few spikes to its side.
     const { positions, indices } = hills(40);

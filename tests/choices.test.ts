@@ -158,6 +158,18 @@ describe('the tree of a model', () => {
     expect(meshes.reduce((sum, { triangles }) => sum + triangles, 0)).toBe(94_722);
     expect(meshes.every(({ name }) => name !== '')).toBe(true);
   });
+
+  it('ends where nodes lead back to themselves, or to one another twice', () => {
+    const text = new TextEncoder().encode(JSON.stringify({
+      scenes: [{ nodes: [0, 0] }],
+      nodes: [{ name: 'a', mesh: 0, children: [1, 1] }, { name: 'b', mesh: 0, children: [0, 1] }],
+      meshes: [{ primitives: [] }],
+    }));
+    const glb = new Uint8Array(20 + text.length);
+    new DataView(glb.buffer).setUint32(12, text.length, true);
+    glb.set(text, 20);
+    expect(readScene(glb).map(({ name, depth }) => `${depth} ${name}`)).toEqual(['0 a', '1 b']);
+  });
 });
 
 describe('words', () => {

@@ -77,6 +77,24 @@ describe('a model that arrives', () => {
     await status(/^land has arrived/);
   }, 120_000);
 
+  it('waits already before its first picture', async () => {
+    await openModel();
+    await watch();
+    await panel().locator('.primary:enabled').waitFor(LONG);
+    // Begun again and paused in one task: the reader has not even started.
+    await panel().evaluate((element) => {
+      const choice = element.querySelector('select') as HTMLSelectElement;
+      choice.value = 'slow';
+      choice.dispatchEvent(new Event('change', { bubbles: true }));
+      (element.querySelector('.primary') as HTMLButtonElement).click();
+    });
+    await status(/^Paused/);
+    await page.waitForTimeout(1500);
+    expect(await figure('Received')).toBe('0 %');
+    await panel().getByRole('button', { name: 'Go on' }).click();
+    await status(/^First picture after/);
+  });
+
   it('has its file: what is saved is a progressive mesh, which the page opens', async () => {
     const all = await openModel(sample('desk-fan.glb'), { picture: false });
     await watch();

@@ -258,6 +258,56 @@ describe('the brush', () => {
   });
 });
 
+describe('the code of the brush', () => {
+  /** Keeps what the page asks for under such addresses until the answer is called. */
+  async function hold(addresses: string): Promise<() => void> {
+    let release = (): void => {};
+    const held = new Promise<void>((resolve) => (release = resolve));
+    await page.context().route(addresses, async (route) => {
+      await held;
+      await route.continue();
+    });
+    return release;
+  }
+
+  it('is waited for with a sign, and forgotten when another model comes', async () => {
+    await openPage(nefertiti);
+    const release = await hold('**/painting-*.js');
+    await tool().click();
+    await expect.poll(() => tool().getAttribute('aria-busy'), LONG).toBe('true');
+    await dropFiles(page, [fan]);
+    await expect.poll(() => page.title(), LONG).toMatch(/^desk-fan/);
+    await status(/^Ready/);
+    release();
+    await expect.poll(() => tool().getAttribute('aria-busy'), LONG).toBe('false');
+    expect(await bar().count()).toBe(0);
+    await takeBrush();
+  });
+
+  it('paints on the model on screen, however late it comes', async () => {
+    await openPage(nefertiti);
+    const release = await hold('**/painter-*.js');
+    await takeBrush();
+    await dropFiles(page, [fan]);
+    await bar().waitFor({ state: 'detached' });
+    await status(/^Ready/);
+    release();
+    await takeBrush();
+    await bar().getByRole('slider', { name: 'Size' }).fill('120');
+    await drag([540, 300], [560, 310]);
+    await expect.poll(painted, LONG).toBeGreaterThan(500);
+  });
+
+  it('is told of when it does not come', async () => {
+    await openPage(nefertiti);
+    await page.context().route('**/painter-*.js', (route) => route.abort());
+    await tool().click();
+    await page.locator('.notice').filter({ hasText: 'internal' }).waitFor(LONG);
+    await bar().waitFor({ state: 'detached' });
+    pages.forgive('ERR_FAILED');
+  });
+});
+
 describe('for everyone', () => {
   it.each([['light', 1280], ['dark', 360]] as const)('has nothing that axe-core objects to while painting, %s at %i pixels', async (colorScheme, width) => {
     await openPage(nefertiti, { colorScheme, viewport: { width, height: 800 } });

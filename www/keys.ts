@@ -94,5 +94,6 @@ const isText = (target: EventTarget | null): boolean => target instanceof HTMLEl
 /** Inputs in which a letter means nothing. */
 const WITHOUT_LETTERS: readonly string[] = ['range', 'file', 'radio', 'checkbox'];
 
-const isTyping = (target: EventTarget | null): boolean =>
+/** Whether letters and figures are those of the field that has the focus. */
+export const isTyping = (target: EventTarget | null): boolean =>
   (target instanceof HTMLInputElement && !WITHOUT_LETTERS.includes(target.type)) || target instanceof HTMLSelectElement;

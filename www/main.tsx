@@ -202,12 +202,17 @@ async function togglePainting(): Promise<void> {
   if (paint !== null) return update((now) => transitions.paintChanged(now, null));
   if (model === null || canvas === null) return;
   if (view.isUnavailable) return update((now) => transitions.remarked(now, t('view.unavailable')));
+  update((now) => transitions.brushAwaited(now, true));
   try {
     const { Painting } = await import('./paint/painting.tsx');
+    // The brush was asked for this model, and not for what has come in between.
+    if (state.peek().model?.source !== model.source || state.peek().arrival !== null) return;
     painting ??= new Painting(state, store, session, view, canvas);
     painting.start();
   } catch (error) {
     update((now) => transitions.failed(now, describeError(error)));
+  } finally {
+    update((now) => transitions.brushAwaited(now, false));
   }
 }
 

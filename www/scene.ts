@@ -31,16 +31,19 @@ interface Primitive {
   readonly attributes: Readonly<Record<string, number>>;
 }
 
-/** The nodes of `glb`, which the engine wrote, each before its children; empty where that would take long. */
+/** The nodes of `glb`, which nobody may have looked at yet, each before its children; empty where that would take long. */
 export function readScene(glb: Uint8Array): SceneNode[] {
   const length = new DataView(glb.buffer, glb.byteOffset).getUint32(12, true);
   if (length > MOST_TEXT) return [];
   const gltf = JSON.parse(new TextDecoder().decode(glb.subarray(20, 20 + length))) as Gltf;
   const triangles = (gltf.meshes ?? []).map(({ primitives }) => primitives.reduce((sum, primitive) => sum + trianglesOf(gltf, primitive), 0));
   const found: SceneNode[] = [];
+  // Of what is no tree every node is visited once: following it around would not end.
+  const seen = new Set<number>();
   const visit = (index: number, depth: number): number => {
     const node = gltf.nodes?.[index];
-    if (node === undefined || found.length >= MOST_NODES) return 0;
+    if (node === undefined || seen.has(index) || found.length >= MOST_NODES) return 0;
+    seen.add(index);
     const at = found.length;
     const mesh = node.mesh ?? null;
     const name = node.name || (mesh === null ? '' : (gltf.meshes?.[mesh]?.name ?? ''));

@@ -45,6 +45,8 @@ export interface State extends Choices {
   readonly view: View;
   /** The brush in hand; null while a drag turns the model. */
   readonly paint: PaintMode | null;
+  /** The brush was asked for, and its code is on the way. */
+  readonly fetchingBrush: boolean;
   /** What the model has to be looked at. */
   readonly contents: ViewContents;
   /** Of what is drawn, while the classes of edges are drawn. */
@@ -83,6 +85,7 @@ export const initialState: State = {
   language: 'en',
   view: { ...STILL_LIFE, playing: true, theme: 'system' },
   paint: null,
+  fetchingBrush: false,
   contents: NO_CONTENTS,
   edgeCounts: null,
   reducedMotion: false,
@@ -356,6 +359,8 @@ export const viewChanged = (state: State, change: Partial<View>): State => ({ ..
 
 /** Takes up the brush, sets it, or puts it down with null. */
 export const paintChanged = (state: State, paint: PaintMode | null): State => (state.model === null ? state : { ...state, paint });
+
+export const brushAwaited = (state: State, fetchingBrush: boolean): State => ({ ...state, fetchingBrush });
 
 /** How the model is drawn. */
 export const shownView = ({ view, paint }: State): View => (paint === null ? view : viewForPainting(view));

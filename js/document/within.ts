@@ -3,7 +3,6 @@
 
 import { findWithin, tryRefusing } from '../bounded.js';
 import type { Document } from '../document.js';
-import { DecimeshError } from '../errors.js';
 import { hasTarget, resolveMaximumDeviation } from '../options.js';
 import { Refusal } from '../refusal.js';
 import type { DocumentSimplifyOptions, LevelSummary, RunOptions } from '../types.js';
@@ -82,7 +81,8 @@ export async function simplifyWithin(
     if (level.triangles <= coarsest.triangles) return { ...level, stopReason: coarsest.stopReason, blockers: coarsest.blockers };
     return { ...level, stopReason: 'error' };
   } catch (error) {
-    if (!(error instanceof DecimeshError && error.code === 'disposed')) await document.level({});
+    // A document that is lost has no level to go back to; what made it so is what counts.
+    await document.level({}).catch(() => {});
     throw error;
   }
 }
@@ -123,7 +123,7 @@ async function refuse(
     const { groups, wedgeSets } = await document.geometry();
     const map = await document.deviationMap({ ...run, samples: SEARCH_SAMPLES });
     const sets = wedgeSets.map(({ positions }, set) => ({ positions, surroundings: map.wedgeSets[set]?.surroundings ?? new Float32Array() }));
-    const far = await refusal.refuse(sets, groups, FEW_SAMPLES * limit);
+    const far = await refusal.refuse(sets, groups, FEW_SAMPLES * limit, run.signal);
     if (far === 0) found.push({ triangles, weights });
     return { triangles, far };
   });

@@ -20,12 +20,17 @@ const PROGRESS_TIME = 100;
 
 let connection: Connection | null = null;
 let drawn: (() => void) | null = null;
+/** Pausing may be asked for before there is a connection. */
+let paused = false;
 
 addEventListener('message', ({ data }: MessageEvent<ReaderRequest>) => {
   if (data.type === 'start') void start(data);
-  else if (data.type === 'pause') connection?.pause();
-  else if (data.type === 'resume') connection?.resume();
-  else drawn?.();
+  else if (data.type === 'drawn') drawn?.();
+  else {
+    paused = data.type === 'pause';
+    if (paused) connection?.pause();
+    else connection?.resume();
+  }
 });
 
 async function start({ bytes, bytesASecond, smooth }: Extract<ReaderRequest, { type: 'start' }>): Promise<void> {
@@ -36,6 +41,7 @@ async function start({ bytes, bytesASecond, smooth }: Extract<ReaderRequest, { t
       break;
     }
     connection = new Connection(bytes, bytesASecond);
+    if (paused) connection.pause();
     const timer = setInterval(() => tell('progress'), PROGRESS_TIME);
     const screen = new Screen(smooth);
     for await (const mesh of readProgressive(connection)) screen.offer(mesh);
@@ -43,9 +49,14 @@ async function start({ bytes, bytesASecond, smooth }: Extract<ReaderRequest, { t
     clearInterval(timer);
     tell('arrived');
   } catch (error) {
-    const { code = 'internal', message = String(error) } = error as { code?: string; message?: string };
-    post({ type: 'failed', code, message });
+    fail(error);
   }
+}
+
+/** The page ends this worker with that. */
+function fail(error: unknown): void {
+  const { code = 'internal', message = String(error) } = error as { code?: string; message?: string };
+  post({ type: 'failed', code, message });
 }
 
 /** Shows the finest level there is, as often as pictures can be drawn. */
@@ -60,7 +71,8 @@ class Screen {
 
   offer(mesh: ProgressiveMesh): void {
     this.mesh = mesh;
-    this.showing ??= this.catchUp(mesh).finally(() => (this.showing = null));
+    // Nobody may be waiting for it.
+    this.showing ??= this.catchUp(mesh).catch(fail).finally(() => (this.showing = null));
   }
 
   /** Resolves when the finest level is on screen. */

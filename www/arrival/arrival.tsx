@@ -135,6 +135,7 @@ export class Arrival {
     this.making.abort(new DOMException('Cancelled.', 'AbortError'));
     this.reader?.terminate();
     this.reader = null;
+    this.bytes = null;
   }
 
   /** What stands in the place of the page's panel. */
@@ -148,6 +149,7 @@ export class Arrival {
     const document = await this.host.client.openDocument([...files], { signal });
     try {
       const plain = await document.write({ format: 'glb', compress: 'none' });
+      signal.throwIfAborted();
       const meshopt = await document.write({ format: 'glb', compress: 'meshopt' });
       const onProgress = (fraction: number): void => this.change({ fraction: SIMPLIFYING * fraction });
       await document.simplify({ placement: 'subset', signal, onProgress });

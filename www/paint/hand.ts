@@ -1,4 +1,5 @@
 // The hand that holds the brush: pointers and keys over the view while it paints, and the ring that shows where it is.
+import { isTyping } from '../keys.ts';
 import type { CameraMove } from '../preview/protocol.ts';
 import { clamp } from '../state.ts';
 import { LEAST_RADIUS, MOST_RADIUS, MOST_STRENGTH } from './mode.ts';
@@ -66,7 +67,8 @@ export class Hand {
     on('pointermove', (event) => this.moved(event));
     for (const name of ['pointerup', 'pointercancel', 'lostpointercapture'] as const) on(name, (event) => this.up(event));
     on('dblclick', () => {});
-    canvas.addEventListener('blur', () => this.release(), { signal });
+    // The page itself may have had the keys.
+    for (const target of [canvas, window]) target.addEventListener('blur', () => this.release(), { signal });
     // On the way to the window, where the page's other keys are.
     document.addEventListener('keydown', (event) => this.keyDown(event), { signal });
     document.addEventListener('keyup', (event) => {
@@ -155,8 +157,7 @@ export class Hand {
   private keyDown(event: KeyboardEvent): void {
     if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector('dialog[open]') !== null) return;
     const onView = event.target === this.canvas || event.target === document.body;
-    const typing = event.target instanceof HTMLInputElement && !['range', 'radio', 'checkbox'].includes(event.target.type);
-    if (!this.key(event, onView, typing)) return;
+    if (!this.key(event, onView, isTyping(event.target))) return;
     event.preventDefault();
     event.stopPropagation();
   }

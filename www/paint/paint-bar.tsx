@@ -1,4 +1,5 @@
 // The controls of the brush: paint or erase, how large, how strong, clear, done; and what the hand does with it.
+import { formatShare } from '../format.ts';
 import { t } from '../messages/messages.ts';
 import type { Insets } from '../preview/protocol.ts';
 import { LEAST_RADIUS, MOST_RADIUS, MOST_STRENGTH } from './mode.ts';
@@ -19,11 +20,11 @@ interface PaintBarProps {
 
 export function PaintBar({ mode, insets, painted, actions }: PaintBarProps) {
   const { erase, radius, strength, count } = mode;
-  const strengthText = strength === MOST_STRENGTH ? t('paint.keep') : `${10 * strength} %`;
+  const strengthText = strength === MOST_STRENGTH ? t('paint.keep') : formatShare(strength / MOST_STRENGTH);
   return (
     <section class="panel paint-bar" aria-label={t('paint.name')} style={{ '--left': `${insets.left}px`, '--right': `${insets.right}px` }}>
       <div class="paint-controls">
-        <fieldset class="paint-choices">
+        <fieldset class="paint-choices choices">
           <legend class="visually-hidden">{t('paint.way')}</legend>
           {([[false, 'paint.paint'], [true, 'paint.erase']] as const).map(([value, name]) => (
             <label key={name} title={`${t(name)} (X)`}>
@@ -56,7 +57,7 @@ export function PaintBar({ mode, insets, painted, actions }: PaintBarProps) {
             aria-valuetext={strengthText}
             onInput={(event) => actions.set({ strength: event.currentTarget.valueAsNumber })}
           />
-          <span class="paint-value" aria-hidden="true">{10 * strength} %</span>
+          <span class="paint-value" aria-hidden="true">{formatShare(strength / MOST_STRENGTH)}</span>
         </label>
         <div class="paint-buttons">
           <button type="button" class="secondary" disabled={!painted} onClick={actions.clear}>{t('paint.clear')}</button>

@@ -172,14 +172,15 @@ export class Painter {
     return nearest;
   }
 
-  /** Finds out where everything is, if that is not known or skins and morph targets have moved. */
+  /** Finds out where everything is, if that is not known or skins, morph targets and instances have moved. */
   private place(): void {
-    const pose = this.layer.meshes.map(({ part }) => poseOf(part.mesh)).join();
-    if (this.placements !== null && pose === this.pose) return this.moveAlong();
+    // Where nodes are animated, their meshes may have moved though nothing was bent.
+    for (const { part } of this.layer.meshes) part.mesh.updateWorldMatrix(true, false);
+    const pose = this.layer.meshes.map(({ part: { mesh } }) => (mesh instanceof InstancedMesh ? mesh.matrixWorld.elements.join() : poseOf(mesh))).join();
+    if (this.placements !== null && pose === this.pose) return;
     this.pose = pose;
     const surfaces = new Map<object, PaintSurface>();
     this.placements = this.layer.meshes.flatMap(({ part: { mesh, original }, start }) => {
-      mesh.updateWorldMatrix(true, false);
       if (poseOf(mesh) !== '') {
         // The level shown lends its geometry to the mesh: positions are those of the original.
         const { geometry } = mesh;
@@ -197,11 +198,6 @@ export class Painter {
       const found = surface;
       return matricesOf(mesh).map((matrix) => ({ surface: found, start, matrix }));
     });
-  }
-
-  /** Where nodes are animated, their meshes may have moved though nothing was bent. */
-  private moveAlong(): void {
-    for (const { part } of this.layer.meshes) part.mesh.updateWorldMatrix(true, false);
   }
 }
 

@@ -4,6 +4,7 @@ import { effect } from '@preact/signals';
 import type { ReadonlySignal } from '@preact/signals';
 import { render } from 'preact';
 import type { DocumentSummary } from 'decimesh/worker';
+import { describeError } from '../describe_error.ts';
 import type { View } from '../preview/view.ts';
 import type { Session, Store } from '../session.ts';
 import * as transitions from '../state.ts';
@@ -59,10 +60,15 @@ export class Painting {
   }
 
   /** The view tells what is painted, and what a stroke has changed. */
-  received({ epoch, change, count }: PaintReply): void {
+  received(reply: PaintReply): void {
+    if (reply.type === 'failed') {
+      this.store.update((now) => transitions.failed(transitions.paintChanged(now, null), describeError(new Error(reply.message))));
+      return;
+    }
+    const { epoch, change, count } = reply;
     const { model, run } = this.store.value;
-    // What was undone meanwhile is not what was painted on.
-    if (model === null || this.canvasOf === null || epoch !== this.epoch) return;
+    // What was undone meanwhile, be it without the brush in hand, is not what was painted on.
+    if (model === null || this.canvasOf === null || epoch !== this.epoch || run.paint !== this.shown) return;
     this.set({ count });
     if (change === null) return;
     this.shown = this.canvasOf.history.add(run.paint, change);

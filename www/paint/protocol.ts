@@ -47,11 +47,14 @@ export type PaintRequest =
   | { readonly type: 'stop' };
 
 /** From the view to the page. */
-export interface PaintReply {
-  readonly type: 'painted';
-  readonly epoch: number;
-  /** What a stroke has changed; null when it has changed nothing, and after `start` and `set`. */
-  readonly change: PaintChange | null;
-  /** Vertices that have paint on them. */
-  readonly count: number;
-}
+export type PaintReply =
+  | {
+      readonly type: 'painted';
+      readonly epoch: number;
+      /** What a stroke has changed; null when it has changed nothing, and after `start` and `set`. */
+      readonly change: PaintChange | null;
+      /** Vertices that have paint on them. */
+      readonly count: number;
+    }
+  /** Nothing can be painted: the code for it has not come, say. */
+  | { readonly type: 'failed'; readonly message: string };

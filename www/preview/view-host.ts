@@ -65,14 +65,15 @@ export function createViewHost(reply: (reply: ViewReply) => void): (request: Vie
   let painting: Promise<void> = Promise.resolve();
   // One after the other: the code is there only when the first has been taken.
   const paint = (request: PaintRequest): void => {
+    const model = viewer?.easel?.model;
     painting = painting
       .then(async () => {
         if (painter !== null || request.type !== 'start') return painter?.take(request);
         const { Painter } = await import('../paint/painter.ts');
-        const model = viewer?.easel?.model;
-        if (model !== undefined) painter = new Painter(() => viewer?.easel ?? null, (told) => reply({ type: 'paint', paint: told }), request, model);
+        // Meanwhile another may have come, which is not what was to be painted on.
+        if (model !== undefined && model === viewer?.easel?.model) painter = new Painter(() => viewer?.easel ?? null, (told) => reply({ type: 'paint', paint: told }), request, model);
       })
-      .catch((error: unknown) => console.error(error));
+      .catch((error: unknown) => reply({ type: 'paint', paint: { type: 'failed', message: messageOf(error) } }));
   };
 
   let requests = 0;

@@ -147,6 +147,7 @@ function ModelPanel({ state, model, actions, arrival }: AppProps & { readonly mo
         canUndo={model.undo.length > 0 && state.arrival === null}
         canRedo={model.redo.length > 0 && state.arrival === null}
         painting={state.paint !== null}
+        fetchingBrush={state.fetchingBrush}
         onFit={actions.fit}
         onPaint={actions.paint}
         onView={actions.changeView}

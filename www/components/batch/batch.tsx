@@ -37,7 +37,7 @@ export function Batch({ batch, quality, actions }: BatchProps) {
           </button>
         </header>
         <div class="batch-settings">
-          <fieldset class="batch-shares" disabled={batch.running}>
+          <fieldset class="batch-shares choices" disabled={batch.running}>
             <legend>{t('batch.share')}</legend>
             {BATCH_SHARES.map((share) => (
               <label key={share}>

@@ -13,7 +13,7 @@ export function Quality({ quality, onQuality }: QualityProps) {
   return (
     <fieldset class="quality">
       <legend>{t('quality.name')}</legend>
-      <div class="quality-choices">
+      <div class="quality-choices choices">
         {QUALITIES.map((value) => (
           <label key={value} title={t(`quality.${value}.meaning`)}>
             <input

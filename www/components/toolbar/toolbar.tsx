@@ -17,6 +17,7 @@ interface ToolbarProps {
   readonly canRedo: boolean;
   readonly reducedMotion: boolean;
   readonly painting: boolean;
+  readonly fetchingBrush: boolean;
   onFit(): void;
   onPaint(): void;
   onView(change: Partial<View>): void;
@@ -27,7 +28,7 @@ interface ToolbarProps {
 
 const OPTIONS = 'view-options';
 
-export function Toolbar({ view, contents, insets, animations, canUndo, canRedo, reducedMotion, painting, onFit, onPaint, onView, onMorph, onUndo, onRedo }: ToolbarProps) {
+export function Toolbar({ view, contents, insets, animations, canUndo, canRedo, reducedMotion, painting, fetchingBrush, onFit, onPaint, onView, onMorph, onUndo, onRedo }: ToolbarProps) {
   const [open, setOpen] = useState(false);
   const opener = useRef<HTMLButtonElement>(null);
   const compare = (comparing: boolean) => (): void => onView({ comparing });
@@ -40,7 +41,7 @@ export function Toolbar({ view, contents, insets, animations, canUndo, canRedo, 
       <div class="toolbar" role="toolbar" aria-label={t('view.toolbar')}>
         <Tool icon="undo" label={t('panel.undo')} keys="Ctrl+Z" disabled={!canUndo} onClick={onUndo} />
         <Tool icon="redo" label={t('panel.redo')} keys="Ctrl+Shift+Z" disabled={!canRedo} onClick={onRedo} />
-        <Tool icon="brush" label={t('paint.name')} keys="B" pressed={painting} onClick={onPaint} />
+        <Tool icon="brush" label={t('paint.name')} keys="B" pressed={painting} busy={fetchingBrush} onClick={onPaint} />
         <span class="toolbar-gap" />
         <Tool icon="fit" label={t('view.fit')} keys="F" onClick={onFit} />
         <Tool icon="wireframe" label={t('view.wireframe')} keys="W" pressed={view.wireframe} onClick={() => onView({ wireframe: !view.wireframe })} />
@@ -120,13 +121,14 @@ interface ToolProps {
   readonly label: string;
   readonly keys: string;
   readonly pressed?: boolean;
+  readonly busy?: boolean;
   readonly disabled?: boolean;
   onClick(): void;
 }
 
-function Tool({ icon, label, keys, pressed, disabled = false, onClick }: ToolProps) {
+function Tool({ icon, label, keys, pressed, busy, disabled = false, onClick }: ToolProps) {
   return (
-    <button type="button" class="tool" aria-label={label} aria-pressed={pressed} title={`${label} (${keys})`} disabled={disabled} onClick={onClick}>
+    <button type="button" class="tool" aria-label={label} aria-pressed={pressed} aria-busy={busy} title={`${label} (${keys})`} disabled={disabled} onClick={onClick}>
       <Icon name={icon} />
     </button>
   );
