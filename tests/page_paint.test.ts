@@ -5,7 +5,7 @@ import { openDocument } from 'decimesh';
 import { violationsOf } from './support/axe.ts';
 import { dropFiles } from './support/browser.mjs';
 import { LONG, sample, usePages, type PageOptions } from './support/pages.ts';
-import { pictureNow, stillPicture } from './support/picture.ts';
+import { pictureNow, stillPicture, untilStill } from './support/picture.ts';
 
 const fan = sample('desk-fan.glb');
 /** Of so few triangles that pictures and runs are quick. */
@@ -163,6 +163,8 @@ describe('the brush', () => {
     await openPage(nefertiti);
     await page.keyboard.press('b');
     await bar().waitFor();
+    // The bar moves what is seen, and the brush with it.
+    await untilStill(page);
     expect(await view().evaluate((element) => element === document.activeElement)).toBe(true);
     const size = bar().getByRole('slider', { name: 'Size' });
     const before = Number(await size.inputValue());

@@ -23,12 +23,17 @@ export const makeGroundPlain = (page: Page): Promise<unknown> =>
 /** What is on screen this moment; the view may be on its way to something else. */
 export const pictureNow = (page: Page, clip: Clip): Promise<Buffer> => page.screenshot({ clip });
 
-/** What the view comes to rest at; for ever where something goes on moving. */
-export async function stillPicture(page: Page, clip: Clip): Promise<Buffer> {
+/** Waits until the view shows what the page was told last, and rests; for ever where something goes on moving. */
+export async function untilStill(page: Page): Promise<void> {
   // What the page has been told last is laid out and passed on to the view.
   await page.evaluate(() => new Promise<void>((done) => {
     requestAnimationFrame(() => requestAnimationFrame(() => done()));
   }));
   await page.locator('#view[data-still]').waitFor({ state: 'attached' });
+}
+
+/** What the view comes to rest at. */
+export async function stillPicture(page: Page, clip: Clip): Promise<Buffer> {
+  await untilStill(page);
   return pictureNow(page, clip);
 }
