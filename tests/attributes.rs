@@ -1,6 +1,6 @@
 //! The attribute error: textures stay where they are, shading keeps its steps, materials do not crack.
 #![cfg(not(target_arch = "wasm32"))]
-#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may stop at the first surprise")]
 #![allow(clippy::print_stdout, reason = "a skipped test says so")]
 
 mod support;
@@ -268,4 +268,18 @@ fn wedges_follow_whole_triangles() {
         let [a, b, c] = t.map(|w| uv[2 * w as usize]);
         assert!(a.max(b).max(c) - a.min(b).min(c) < 0.5, "a triangle from {a} to {b} and {c}");
     }
+}
+
+/// A caller may name the same twice, as glTF does and as the package does.
+#[test]
+fn of_two_textures_of_one_meaning_each_keeps_its_values() {
+    let mut mesh = plate_with("uv", 2, Blend::Linear, |[x, y, _]| vec![x, y]);
+    let constant = [100.0, 200.0].repeat(mesh.positions.len());
+    mesh.wedge_sets[0].attributes.push(attribute("TEXCOORD_0", 2, Blend::Linear, constant));
+    let result = level(&mesh, &to(300));
+    let [uv, constant] = &result.wedge_sets[0].attributes[..] else { panic!("two attributes") };
+    for c in constant.values.chunks(2) {
+        assert!((c[0] - 100.0).abs() < 1e-3 && (c[1] - 200.0).abs() < 1e-3, "{c:?}");
+    }
+    assert!(uv.values.iter().all(|c| (-1.0..42.0).contains(c)), "{:?}", &uv.values[..8]);
 }
