@@ -12,7 +12,7 @@ export interface MeasuredLevel {
 }
 
 /** Between the finest level known to fail and the coarsest known to do, this much is not worth another measurement. */
-const CLOSE = 1.02;
+export const CLOSE = 1.02;
 
 /** From a level to the next while no bracket is known. */
 const STRIDE = 1.5;

@@ -19,6 +19,7 @@ mod collapse;
 mod contraction;
 mod edges;
 mod fit;
+mod gradient;
 mod lanes;
 mod legality;
 mod memory;

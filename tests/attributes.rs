@@ -1,6 +1,6 @@
 //! The attribute error: textures stay where they are, shading keeps its steps, materials do not crack.
 #![cfg(not(target_arch = "wasm32"))]
-#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may stop at the first surprise")]
 #![allow(clippy::print_stdout, reason = "a skipped test says so")]
 
 mod support;
@@ -268,4 +268,17 @@ fn wedges_follow_whole_triangles() {
         let [a, b, c] = t.map(|w| uv[2 * w as usize]);
         assert!(a.max(b).max(c) - a.min(b).min(c) < 0.5, "a triangle from {a} to {b} and {c}");
     }
+}
+
+/// A caller may name the same twice, as glTF does and as the package does.
+#[test]
+fn of_two_textures_of_one_meaning_each_keeps_its_values() {
+    let mut mesh = plate_with("uv", 2, Blend::Linear, |[x, y, _]| vec![x, y]);
+    // As large on the surface as the first, so that both count, and far from it.
+    let other = mesh.positions.iter().flat_map(|&[x, y, _]| [1000.0 + 10.0 * x, 1000.0 + 10.0 * y]).collect();
+    mesh.wedge_sets[0].attributes.push(attribute("TEXCOORD_0", 2, Blend::Linear, other));
+    let result = level(&mesh, &to(300));
+    let [uv, other] = &result.wedge_sets[0].attributes[..] else { panic!("two attributes") };
+    assert!(uv.values.iter().all(|c| (-1.0..42.0).contains(c)), "{:?}", &uv.values[..8]);
+    assert!(other.values.iter().all(|c| (990.0..1420.0).contains(c)), "{:?}", &other.values[..8]);
 }

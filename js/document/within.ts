@@ -1,7 +1,7 @@
 // Simplifying to a measured deviation: runs that refuse what was too far away are measured until one is within, or else levels
 // of a record.
 
-import { findWithin, tryRefusing } from '../bounded.js';
+import { CLOSE, findWithin, tryRefusing } from '../bounded.js';
 import type { Document } from '../document.js';
 import { hasTarget, resolveMaximumDeviation } from '../options.js';
 import { Refusal } from '../refusal.js';
@@ -98,7 +98,7 @@ async function findRecorded(document: Document, limit: number, range: SearchRang
   while (triangles < range.most) {
     await document.level({ triangles }, { signal: run.signal });
     if (await isWithin(document, limit, run)) break;
-    triangles = Math.min(range.most, Math.ceil(triangles * 1.02) + 1);
+    triangles = Math.min(range.most, Math.ceil(triangles * CLOSE) + 1);
   }
   return triangles;
 }

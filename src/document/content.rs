@@ -1,4 +1,4 @@
-//! What every reader yields, whatever the format.
+//! What every reader but that of glTF yields, whatever the format.
 
 use super::SceneLayout;
 use crate::error::Warning;

@@ -92,7 +92,7 @@ struct SetSource {
 }
 
 /// One attribute of a primitive, or of one of its morph targets.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 struct AttributeSource {
     target: Option<usize>,
     semantic: String,

@@ -130,7 +130,10 @@ impl Layout {
                 _ => {}
             }
             for &(_, set, placed) in same {
-                layout.sets[set].push(Placed { start, ..placed });
+                // Of two names for the same in one set the first counts: they may differ, and have one place.
+                if layout.sets[set].last().is_none_or(|last| last.start != start) {
+                    layout.sets[set].push(Placed { start, ..placed });
+                }
             }
         }
         (layout.components > 0).then_some(layout)

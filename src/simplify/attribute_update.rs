@@ -7,12 +7,10 @@
 //! vertices are taken up afresh from all their triangles.
 
 use super::attributes::{AttributeField, HEAD, along};
+use super::gradient::{Hats, Products, head_of};
 use super::lanes::{Lanes, Lanes3, Mask, WIDTH};
 use super::quadric::{QuadricLanes, Vec3, larger, smaller};
 use super::topology::{NONE, Topology};
-
-/// A triangle thinner than this share of its length has the gradient of one that is as thick.
-const THINNEST: f32 = 1e-5;
 
 /// A neighbour of several wedges and more triangles than this is not taken up afresh: a few of them
 /// have changed, and it would be each time that one of its many neighbours does.
@@ -174,6 +172,7 @@ impl AttributeField {
         around().for_each(|v| self.refresh(topology, v));
     }
 
+    /// [`AttributeField::follow`] where both ends have one wedge: the triangles of the merged ring, four at a time.
     fn follow_spliced(
         &mut self,
         topology: &Topology,
@@ -182,7 +181,7 @@ impl AttributeField {
         (from, into): (End, End),
         solve: bool,
     ) {
-        let (stride, components, length) = (self.stride(), self.layout.components, ring.len());
+        let (stride, length) = (self.stride(), ring.len());
         let batches = length.div_ceil(WIDTH);
         let mut values = std::mem::take(&mut self.scratch.values);
         values.clear();
@@ -213,42 +212,72 @@ impl AttributeField {
                     (slot(if at < length { at } else { 0 }), slot(if at < length { at + 1 } else { 0 }));
                 [self.record_at(topology, next, previous, into.0), self.record_at(topology, previous, into.0, next)]
             });
-            let blocks = records.map(|pair| pair.map(|record| self.block(record)));
             let origin = Lanes3::select(of_first, Lanes3::splat(from.1), Lanes3::splat(into.1));
             let merged = Lanes3::splat(now);
             let (old, new) = (Hats::of(a - origin, b - origin, counts), Hats::of(a - merged, b - merged, counts));
-            let (mut old_products, mut new_products) = (Products::default(), Products::default());
-            let own = self.block(of_into);
-            for k in 0..components {
-                let value = |end: usize| Lanes::new(blocks.map(|pair| pair[end][HEAD + k].lane::<0>()));
-                let (next, previous) = (value(0), value(1));
-                let before = Lanes::select(of_first, Lanes::splat(values[k]), Lanes::splat(values[components + k]));
-                let after = Lanes::splat(own[HEAD + k].lane::<0>());
-                let was = old.gradient(&mut old_products, next - before, previous - before);
-                let is = new.gradient(&mut new_products, next - after, previous - after);
-                let change = is - was;
-                let zero = Lanes::splat(0.0);
-                for (lane, row) in Lanes::transpose([zero, change.x, change.y, change.z]).into_iter().enumerate() {
-                    out[lane * stride + HEAD + k] = row;
-                }
-                let [a, b, c, d] = Lanes::transpose([zero, is.x, is.y, is.z]);
-                whole[HEAD + k] = whole[HEAD + k] + ((a + b) + (c + d));
-            }
-            let (was, is) = (old.outer(&old_products), new.outer(&new_products));
-            let [first, second] = head_of(&is.minus(&was), new.area - old.area);
-            for lane in 0..WIDTH {
-                (out[lane * stride], out[lane * stride + 1]) = (first[lane], second[lane]);
-            }
-            let [first, second] = head_of(&is, new.area);
-            for lane in 0..WIDTH {
-                (whole[0], whole[1]) = (whole[0] + first[lane], whole[1] + second[lane]);
-            }
+            self.change_of_four((records, of_into), (&values, of_first), (&old, &new), (out, whole));
         }
         self.take_off_gone(topology, [ring[0], ring[split]], (from, into), &values, gone);
         self.scratch.values = values;
 
         self.clear(of_into);
         self.add(of_into, whole);
+        self.hand_out(ring, split, differences, gone);
+        self.scratch.sums = sums;
+        for &v in ring {
+            if self.only_record[v as usize] == NONE && topology.vertices[v as usize].ring_length() <= LONGEST_RING {
+                self.count_wedges(topology, v);
+                self.refresh(topology, v);
+            }
+        }
+    }
+
+    /// What four triangles of the merged ring give now above what they gave before, a block of `out` for each, and what
+    /// they give now added to `whole`. `records` are those of their other two corners, `values` what the wedges of `from`
+    /// and of `into` had; a triangle was of `from` where `of_first` says so. The hats are those before and now.
+    #[inline(always)]
+    fn change_of_four(
+        &self,
+        (records, of_into): ([[u32; 2]; WIDTH], u32),
+        (values, of_first): (&[f32], Mask),
+        (old, new): (&Hats, &Hats),
+        (out, whole): (&mut [Lanes], &mut [Lanes]),
+    ) {
+        let (stride, components) = (self.stride(), self.layout.components);
+        let blocks = records.map(|pair| pair.map(|record| self.block(record)));
+        let (mut old_products, mut new_products) = (Products::default(), Products::default());
+        let own = self.block(of_into);
+        for k in 0..components {
+            let value = |end: usize| Lanes::new(blocks.map(|pair| pair[end][HEAD + k].lane::<0>()));
+            let (next, previous) = (value(0), value(1));
+            let before = Lanes::select(of_first, Lanes::splat(values[k]), Lanes::splat(values[components + k]));
+            let after = Lanes::splat(own[HEAD + k].lane::<0>());
+            let was = old.gradient(&mut old_products, next - before, previous - before);
+            let is = new.gradient(&mut new_products, next - after, previous - after);
+            let change = is - was;
+            let zero = Lanes::splat(0.0);
+            for (lane, row) in Lanes::transpose([zero, change.x, change.y, change.z]).into_iter().enumerate() {
+                out[lane * stride + HEAD + k] = row;
+            }
+            let [a, b, c, d] = Lanes::transpose([zero, is.x, is.y, is.z]);
+            whole[HEAD + k] = whole[HEAD + k] + ((a + b) + (c + d));
+        }
+        let (was, is) = (old.outer(&old_products), new.outer(&new_products));
+        let [first, second] = head_of(&is.minus(&was), new.area - old.area);
+        for lane in 0..WIDTH {
+            (out[lane * stride], out[lane * stride + 1]) = (first[lane], second[lane]);
+        }
+        let [first, second] = head_of(&is, new.area);
+        for lane in 0..WIDTH {
+            (whole[0], whole[1]) = (whole[0] + first[lane], whole[1] + second[lane]);
+        }
+    }
+
+    /// Adds the changes of the triangles in `differences` to the vertices around, and `gone` to the third vertices of
+    /// those that are gone. Vertices of several wedges are left out: they are taken up afresh.
+    #[inline(always)]
+    fn hand_out(&mut self, ring: &[u32], split: usize, differences: &[Lanes], gone: &[Lanes]) {
+        let (stride, length) = (self.stride(), ring.len());
         for (i, &v) in ring.iter().enumerate() {
             let record = self.only_record[v as usize];
             if record == NONE {
@@ -264,13 +293,6 @@ impl AttributeField {
                 self.add(record, &gone[..stride]);
             } else if i == split {
                 self.add(record, &gone[stride..]);
-            }
-        }
-        self.scratch.sums = sums;
-        for &v in ring {
-            if self.only_record[v as usize] == NONE && topology.vertices[v as usize].ring_length() <= LONGEST_RING {
-                self.count_wedges(topology, v);
-                self.refresh(topology, v);
             }
         }
     }
@@ -359,87 +381,4 @@ impl AttributeField {
             }
         }
     }
-}
-
-/// Of four triangles (0, next, previous): twice the areas, and the gradients of the functions that are 1 at one of the two
-/// and 0 at the other corners, plain and weighted by area.
-struct Hats {
-    area: Lanes,
-    next: Lanes3,
-    previous: Lanes3,
-    weighted_next: Lanes3,
-    weighted_previous: Lanes3,
-}
-
-/// For four triangles the sums over all components of a², a b and b², where a and b are what the two corners' values are
-/// above the first's.
-struct Products {
-    aa: Lanes,
-    ab: Lanes,
-    bb: Lanes,
-}
-
-impl Default for Products {
-    #[inline(always)]
-    fn default() -> Self {
-        let zero = Lanes::splat(0.0);
-        Self { aa: zero, ab: zero, bb: zero }
-    }
-}
-
-impl Products {
-    #[inline(always)]
-    fn add(&mut self, a: Lanes, b: Lanes) {
-        (self.aa, self.ab, self.bb) = (self.aa + a * a, self.ab + a * b, self.bb + b * b);
-    }
-}
-
-impl Hats {
-    /// Those outside the mask have no area.
-    #[inline(never)]
-    fn of(next: Lanes3, previous: Lanes3, counts: Mask) -> Self {
-        let n = next.cross(previous);
-        let squared = n.dot(n);
-        let floor = (next.dot(next) + previous.dot(previous)) * Lanes::splat(THINNEST);
-        let inverse = Lanes::splat(1.0) / (squared + floor * floor).max(Lanes::splat(f32::MIN_POSITIVE));
-        let area = squared.sqrt().masked(counts);
-        let (of_next, of_previous) = (previous.cross(n).scale(inverse), n.cross(next).scale(inverse));
-        Self {
-            area,
-            next: of_next,
-            previous: of_previous,
-            weighted_next: of_next.scale(area),
-            weighted_previous: of_previous.scale(area),
-        }
-    }
-
-    /// Area · g of a component.
-    #[inline(always)]
-    fn gradient(&self, products: &mut Products, a: Lanes, b: Lanes) -> Lanes3 {
-        products.add(a, b);
-        self.weighted_next.scale(a) + self.weighted_previous.scale(b)
-    }
-
-    /// Σ area · g gᵀ over all components: g is a times the one plus b times the other.
-    #[inline(never)]
-    fn outer(&self, &Products { aa, ab, bb }: &Products) -> QuadricLanes {
-        let p = self.weighted_next.scale(aa) + self.weighted_previous.scale(ab);
-        let q = self.weighted_next.scale(ab) + self.weighted_previous.scale(bb);
-        let (n, l) = (self.next, self.previous);
-        QuadricLanes {
-            xx: p.x * n.x + q.x * l.x,
-            xy: p.x * n.y + q.x * l.y,
-            xz: p.x * n.z + q.x * l.z,
-            yy: p.y * n.y + q.y * l.y,
-            yz: p.y * n.z + q.y * l.z,
-            zz: p.z * n.z + q.z * l.z,
-            ..QuadricLanes::zero()
-        }
-    }
-}
-
-/// The first two rows of the blocks of four triangles.
-#[inline(always)]
-fn head_of(q: &QuadricLanes, area: Lanes) -> [[Lanes; WIDTH]; HEAD] {
-    [Lanes::transpose([q.xx, q.xy, q.xz, q.yy]), Lanes::transpose([q.yz, q.zz, area, Lanes::splat(0.0)])]
 }

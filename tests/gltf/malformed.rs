@@ -146,6 +146,29 @@ fn a_few_bytes_cannot_ask_for_gigabytes() {
     assert_fails(Glb::new(&json, binary).bytes(), ErrorCode::TooLarge, "m.glb: accessors[0].count");
 }
 
+/// Every name of a sparse accessor has all of its elements looked through.
+#[test]
+fn a_sparse_accessor_under_many_names_is_too_large() {
+    const ELEMENTS: usize = 20_000;
+    let (mut json, mut binary) = square();
+    let start = binary.len();
+    binary.extend((0..ELEMENTS as u32).flat_map(u32::to_le_bytes));
+    binary.resize(binary.len() + 12 * ELEMENTS, 0);
+    let views = json["bufferViews"].as_array_mut().unwrap();
+    let first = views.len();
+    views.push(json!({ "buffer": 0, "byteOffset": start, "byteLength": 4 * ELEMENTS }));
+    views.push(json!({ "buffer": 0, "byteOffset": start + 4 * ELEMENTS, "byteLength": 12 * ELEMENTS }));
+    json["buffers"][0]["byteLength"] = json!(binary.len());
+    let indices = json!({ "bufferView": first, "componentType": 5125 });
+    let sparse = json!({ "count": ELEMENTS, "indices": indices, "values": { "bufferView": first + 1 } });
+    json["accessors"][0] = json!({ "componentType": 5126, "count": ELEMENTS, "type": "VEC3", "sparse": sparse });
+    open_glb(&json, binary.clone()).unwrap();
+    for name in 0..1000 {
+        json["meshes"][0]["primitives"][0]["attributes"][format!("_{name}")] = json!(0);
+    }
+    assert_fails(Glb::new(&json, binary).bytes(), ErrorCode::TooLarge, "m.glb: meshes[0].primitives[0]");
+}
+
 #[test]
 fn uneven_attributes_are_an_error() {
     let (mut json, binary) = square();

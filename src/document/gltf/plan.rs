@@ -1,7 +1,7 @@
 //! Which primitives become groups, and from which accessors: all that can be said of the geometry before a number of it
 //! is read.
 
-use std::ops::Range;
+use std::collections::BTreeMap;
 
 use crate::document::json_tree::Value;
 
@@ -57,13 +57,11 @@ pub(super) struct PlannedSet {
     pub(super) set: SetSource,
     /// The first primitive that uses it.
     pub(super) source: PrimitiveSource,
-    /// All planned primitives of the glTF mesh.
-    pub(super) groups: Range<usize>,
     /// Elements of each of the accessors.
     pub(super) vertex_count: usize,
 }
 
-/// How many numbers the mesh has so far.
+/// How many numbers the mesh has so far, and its accessors name one by one.
 #[derive(Debug)]
 pub(super) struct Budget {
     spent: usize,
@@ -83,6 +81,24 @@ impl Budget {
         }
         Ok(())
     }
+
+    /// Counts the elements that sparse accessors name, which opening looks through: one accessor may be that of many.
+    fn spend_on_sparse(
+        &mut self,
+        data: Data<'_>,
+        accessors: impl IntoIterator<Item = usize>,
+        source: PrimitiveSource,
+    ) -> Result<(), Error> {
+        for accessor in accessors {
+            let sparse = data.root.accessors.get(accessor).and_then(|accessor| accessor.sparse);
+            if let Some(sparse) = sparse {
+                // More than there are bytes are refused when they are opened, for what is wrong with them.
+                let claimed = usize::try_from(sparse.count).unwrap_or(usize::MAX);
+                self.spend(claimed.min(self.bytes), &|| source.place())?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Finds all triangle primitives; points, lines and triangles without positions are passed over.
@@ -93,8 +109,8 @@ pub(super) fn plan(data: Data<'_>) -> Result<Plan, Error> {
     let budget = Budget { spent: 0, bytes: data.byte_count() };
     let mut plan = Plan { primitives: Vec::new(), sets: Vec::new(), budget };
     for (m, mesh) in items(data.tree, "meshes").iter().enumerate() {
-        let first_set = plan.sets.len();
-        let first_group = plan.primitives.len();
+        // Found by order and not one after the other: a mesh may have as many as the file has room for.
+        let mut known = BTreeMap::new();
         for (p, primitive) in items(mesh, "primitives").iter().enumerate() {
             let mode = uint(primitive, "mode").unwrap_or(4);
             if !(4..=6).contains(&mode) {
@@ -108,16 +124,18 @@ pub(super) fn plan(data: Data<'_>) -> Result<Plan, Error> {
             let source = PrimitiveSource { mesh: m, primitive: p };
             check_draco(data, primitive, source)?;
             let attributes = attributes::list(primitive);
-            let set = match plan.sets[first_set..].iter().position(|known| known.set.attributes == attributes) {
-                Some(known) => first_set + known,
+            let set = match known.get(&attributes) {
+                Some(&known) => known,
                 None => {
+                    plan.budget.spend_on_sparse(data, attributes.iter().map(|a| a.accessor), source)?;
                     let vertex_count = open_columns(data, &attributes, source)?.first().map_or(0, |first| first.count);
-                    let set = SetSource { attributes };
-                    plan.sets.push(PlannedSet { set, source, groups: first_group..0, vertex_count });
+                    known.insert(attributes.clone(), plan.sets.len());
+                    plan.sets.push(PlannedSet { set: SetSource { attributes }, source, vertex_count });
                     plan.sets.len() - 1
                 }
             };
             let indices = uint(primitive, "indices");
+            plan.budget.spend_on_sparse(data, indices, source)?;
             let count = match indices {
                 None => plan.sets[set].vertex_count,
                 Some(accessor) => open_indices(data, accessor, source)?.count,
@@ -126,8 +144,6 @@ pub(super) fn plan(data: Data<'_>) -> Result<Plan, Error> {
             plan.budget.spend(planned.most_triangles().saturating_mul(3), &|| source.place())?;
             plan.primitives.push(planned);
         }
-        let end = plan.primitives.len();
-        plan.sets[first_set..].iter_mut().for_each(|set| set.groups.end = end);
     }
     Ok(plan)
 }

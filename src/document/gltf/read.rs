@@ -38,8 +38,10 @@ pub(super) fn geometry(
         mesh.groups.push(Group { triangles: start..mesh.triangles.len(), wedge_set: planned.set });
     }
     let mut reader = Reader { data, warnings, budget, slots: Vec::new() };
-    for (number, set) in sets.iter().enumerate() {
-        reader.read_set(set, number, &mut mesh)?;
+    let mut ranges = vec![Vec::new(); sets.len()];
+    mesh.groups.iter().for_each(|group| ranges[group.wedge_set].push(group.triangles.clone()));
+    for (set, ranges) in sets.iter().zip(ranges) {
+        reader.read_set(set, ranges, &mut mesh)?;
     }
     Ok(mesh)
 }
@@ -122,13 +124,11 @@ struct Reader<'a, 'w> {
 }
 
 impl Reader<'_, '_> {
-    /// Reads the vertices that triangles use of a set, each distinct one once, and turns the indices of these triangles
-    /// into wedges of the mesh.
-    fn read_set(&mut self, planned: &PlannedSet, number: usize, mesh: &mut Mesh) -> Result<(), Error> {
-        let Mesh { positions, triangles, groups, wedge_sets, .. } = mesh;
-        let PlannedSet { set, source, groups: beside, vertex_count } = planned;
-        let mine = groups[beside.clone()].iter().filter(|group| group.wedge_set == number);
-        let ranges: Vec<Range<usize>> = mine.map(|group| group.triangles.clone()).collect();
+    /// Reads the vertices of a set that the triangles of `ranges` use, each distinct one once, and turns the indices of
+    /// these triangles into wedges of the mesh.
+    fn read_set(&mut self, planned: &PlannedSet, ranges: Vec<Range<usize>>, mesh: &mut Mesh) -> Result<(), Error> {
+        let Mesh { positions, triangles, wedge_sets, .. } = mesh;
+        let PlannedSet { set, source, vertex_count } = planned;
         let picked = self.pick(&ranges, triangles, *vertex_count);
         let count = picked.as_ref().map_or(*vertex_count, Vec::len);
         let columns = open_columns(self.data, &set.attributes, *source)?;
