@@ -39,11 +39,11 @@ interface Candidate {
   readonly refusal: Refusal;
 }
 
-/** A run that is within a limit. */
+/** A run that is within a limit; its level is selected and measured. */
 interface Refused {
-  readonly triangles: number;
-  /** Makes it once more. */
-  select(): Promise<LevelSummary>;
+  readonly level: LevelSummary;
+  /** Selects and measures it once more, for the report. */
+  again(): Promise<LevelSummary>;
 }
 
 /** As {@link Document.simplify} with `maximumDeviation`; after an abort or a failure full detail is selected. */
@@ -72,11 +72,7 @@ export async function simplifyWithin(
     // A refusal takes runs of its own, and weights in place of the attribute's.
     const canRefuse = options.timeBudget === undefined && options.weightAttribute === undefined;
     const refused = canRefuse ? await refuse(document, options, safe, range, measuring) : undefined;
-    // Where everything is as far away as it may be, nothing is gained by refusing, and the record may do better.
-    let searched = range;
-    if (refused && refused.triangles > start) searched = { ...range, most: refused.triangles, start: Math.floor(PROBE * refused.triangles) };
-    const triangles = refused && refused.triangles <= start ? refused.triangles : await findRecorded(document, safe, searched, measuring);
-    const level = await (refused && triangles >= refused.triangles ? refused.select() : document.level(triangles >= most ? {} : { triangles }));
+    const level = await coarser(document, refused, safe, range, measuring);
     onProgress?.(1);
     if (level.triangles <= coarsest.triangles) return { ...level, stopReason: coarsest.stopReason, blockers: coarsest.blockers };
     return { ...level, stopReason: 'error' };
@@ -85,6 +81,17 @@ export async function simplifyWithin(
     await document.level({}).catch(() => {});
     throw error;
   }
+}
+
+/** The coarser of what refusals led to and what the record has within `limit`, if it has to be searched; selected. */
+async function coarser(document: Document, refused: Refused | undefined, limit: number, range: SearchRange, run: RunOptions): Promise<LevelSummary> {
+  const fewest = refused?.level.triangles ?? range.most;
+  if (refused && fewest <= range.start) return refused.level;
+  // Where everything is as far away as it may be, nothing is gained by refusing, and the record may do better.
+  const start = refused ? Math.floor(PROBE * fewest) : range.start;
+  const triangles = await findRecorded(document, limit, { ...range, most: fewest, start }, run);
+  if (triangles < fewest) return document.level({ triangles });
+  return refused ? refused.again() : document.level({});
 }
 
 /** The triangles of the coarsest recorded level found that is within `limit`, or the most. */
@@ -124,13 +131,21 @@ async function refuse(
     if (far === 0) candidates.push({ triangles, refusal: before });
     return { triangles, far };
   });
-  const found = await lookClosely(candidates, range.most, async (candidate) => {
-    await runTo(candidate.triangles, candidate.refusal.weights());
-    const mended = new Refusal(candidate.refusal);
+  let selected: LevelSummary | undefined;
+  const found = await lookClosely(candidates, range.most, async ({ triangles: wanted, refusal: refused }) => {
+    selected = await runTo(wanted, refused.weights());
+    const mended = new Refusal(refused);
     const far = await refuseClosely(document, mended, limit, run);
     return { far, mend: (triangles: number): Candidate => ({ triangles, refusal: mended }) };
   });
-  return found && { triangles: found.triangles, select: () => runTo(found.triangles, found.refusal.weights()) };
+  return found && selected && {
+    level: selected,
+    again: async () => {
+      const level = await runTo(found.triangles, found.refusal.weights());
+      await document.measure({ ...run, samples: FINAL_SAMPLES[1] });
+      return level;
+    },
+  };
 }
 
 /** Refuses the places of the selected level that are farther away than `limit` on `map`; how many they are. */
