@@ -87,14 +87,14 @@ export async function tryRefusing(
       wanted = Math.max(Math.floor(triangles * COARSER), least);
     } else {
       failures += 1;
-      wanted = finer(wanted, far, failures);
+      wanted = finer(wanted, far, FOR_A_FAILURE * (failures - 1));
     }
   }
 }
 
-/** What is tried after `failures` in a row, the last with so many triangles and so many places too far away. */
-const finer = (triangles: number, far: number, failures: number): number =>
-  Math.ceil(Math.min(triangles + FOR_A_PLACE * far, triangles * MOST_FINER) + FOR_A_FAILURE * (failures - 1) * triangles) + 1;
+/** What is tried after a failure with so many triangles and so many places too far away; `share` is for the failures before. */
+const finer = (triangles: number, far: number, share: number): number =>
+  Math.ceil(Math.min(triangles + FOR_A_PLACE * far, triangles * MOST_FINER) + share * triangles) + 1;
 
 /** What many samples find of a run. */
 export interface Look<Run> {
@@ -106,6 +106,9 @@ export interface Look<Run> {
 
 /** Runs that refuse what only many samples find; more of them find little. */
 const MOST_MENDED = 10;
+
+/** As `FOR_A_FAILURE`: these runs are nearly there. */
+const FOR_A_MENDED = 0.003;
 
 /**
  * The coarsest of `runs` that is within the limit by many samples too, or one between it and the next that refuses what they
@@ -122,7 +125,7 @@ export async function lookClosely<Run extends { readonly triangles: number }>(
     const { run, failures } = waiting.pop() as (typeof waiting)[number];
     const { far, mend } = await look(run);
     if (far === 0) return run;
-    const triangles = finer(run.triangles, far, failures + 1);
+    const triangles = finer(run.triangles, far, FOR_A_MENDED * failures);
     if (mended === MOST_MENDED || triangles >= most) continue;
     mended += 1;
     waiting.push({ run: mend(triangles), failures: failures + 1 });
