@@ -1,5 +1,5 @@
-// The coarsest level whose measured deviation is within a limit: by refusing collapses where it is not, or else found over
-// the recorded history.
+// The coarsest level whose measured deviation is within a limit: by refusing collapses where it is not, first for few samples,
+// then for many, or else found over the recorded history.
 //
 // The measured maximum does not fall strictly with the number of triangles: a level may be worse than a coarser one. The
 // search brackets the place where it first passes the limit and halves that; what it returns was measured itself.
@@ -87,7 +87,48 @@ export async function tryRefusing(
       wanted = Math.max(Math.floor(triangles * COARSER), least);
     } else {
       failures += 1;
-      wanted = Math.ceil(Math.min(wanted + FOR_A_PLACE * far, wanted * MOST_FINER) + FOR_A_FAILURE * (failures - 1) * wanted) + 1;
+      wanted = finer(wanted, far, FOR_A_FAILURE * (failures - 1));
     }
   }
+}
+
+/** What is tried after a failure with so many triangles and so many places too far away; `share` is for the failures before. */
+const finer = (triangles: number, far: number, share: number): number =>
+  Math.ceil(Math.min(triangles + FOR_A_PLACE * far, triangles * MOST_FINER) + share * triangles) + 1;
+
+/** What many samples find of a run. */
+export interface Look<Run> {
+  /** Places that are farther away than the limit. */
+  readonly far: number;
+  /** The run to so many triangles that refuses them too. */
+  mend(triangles: number): Run;
+}
+
+/** Runs that refuse what only many samples find; more of them find little. */
+const MOST_MENDED = 10;
+
+/** As `FOR_A_FAILURE`: these runs are nearly there. */
+const FOR_A_MENDED = 0.003;
+
+/**
+ * The coarsest of `runs` that is within the limit by many samples too, or one between it and the next that refuses what they
+ * found; undefined if there is none with fewer than `most` triangles. `look` makes a run and measures it.
+ */
+export async function lookClosely<Run extends { readonly triangles: number }>(
+  runs: readonly Run[],
+  most: number,
+  look: (run: Run) => Promise<Look<Run>>,
+): Promise<Run | undefined> {
+  const waiting = runs.map((run) => ({ run, failures: 0 }));
+  for (let mended = 0; waiting.length > 0; ) {
+    waiting.sort((a, b) => b.run.triangles - a.run.triangles);
+    const { run, failures } = waiting.pop() as (typeof waiting)[number];
+    const { far, mend } = await look(run);
+    if (far === 0) return run;
+    const triangles = finer(run.triangles, far, FOR_A_MENDED * failures);
+    if (mended === MOST_MENDED || triangles >= most) continue;
+    mended += 1;
+    waiting.push({ run: mend(triangles), failures: failures + 1 });
+  }
+  return undefined;
 }

@@ -41,12 +41,22 @@ const PLACES_AT_ONCE = 256;
 /** What has been refused so far, for each of the original's vertices. */
 export class Refusal {
   readonly #grids: readonly PointGrid[];
-  readonly #starts: readonly number[] = [];
+  readonly #starts: readonly number[];
   readonly #factors: Float32Array;
   readonly #given: Float32Array | undefined;
 
-  /** `positions` are those of the original's wedge sets; `given` are weights that the runs have in any case. */
-  constructor(positions: readonly Float32Array[], given?: Float32Array) {
+  /**
+   * `positions` are those of the original's wedge sets; `given` are weights that the runs have in any case. From another
+   * refusal: a copy, which goes on from there without changing it.
+   */
+  constructor(positions: readonly Float32Array[] | Refusal, given?: Float32Array) {
+    if (positions instanceof Refusal) {
+      this.#grids = positions.#grids;
+      this.#starts = positions.#starts;
+      this.#factors = positions.#factors.slice();
+      this.#given = positions.#given;
+      return;
+    }
     this.#grids = positions.map((points) => new PointGrid(points));
     let count = 0;
     this.#starts = positions.map((points) => (count += points.length / 3) - points.length / 3);

@@ -1,13 +1,15 @@
 // The error-bounded mode: what is measured stays within the limit, and not much finer than it has to be.
-import { writeFileSync } from 'node:fs';
-import { join } from 'node:path';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { basename, join } from 'node:path';
+import { gunzipSync } from 'node:zlib';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { init, openDocument } from 'decimesh';
-import { findWithin, tryRefusing } from '../dist/bounded.js';
+import { findWithin, lookClosely, tryRefusing } from '../dist/bounded.js';
 import { Refusal } from '../dist/refusal.js';
+import { testWithAsset } from './support/assets.ts';
 import { glb, gltfOf } from './support/glb.ts';
 import { hills, objOf } from './support/meshes.ts';
-import { meter, testWithMeter } from './support/meter.ts';
+import { hasMeter, meter, testWithMeter } from './support/meter.ts';
 import { decimesh, temporaryDirectory } from './support/program.ts';
 
 beforeAll(() => init());
@@ -191,4 +193,82 @@ describe('what is refused', () => {
     await tryRefusing({ least: 10, most: 50, start: 40 }, async (triangles) => ((never += 1), { triangles, far: 100 }));
     expect(never).toBeLessThan(12);
   });
+
+  it('goes on from a copy without changing it', async () => {
+    const refusal = new Refusal([original.positions], new Float32Array(original.positions.length / 3).fill(1));
+    const refuseAt = (of: Refusal, at: number): Promise<number> => {
+      const level = plane(10, (x, y) => (x === at && y === at ? 1.5 : 0));
+      return of.refuse([level], [{ wedgeSet: 0, indices: level.indices }], 1);
+    };
+    await refuseAt(refusal, 3);
+    const before = refusal.weights();
+    const copy = new Refusal(refusal);
+    expect(copy.weights()).toEqual(before);
+    await refuseAt(copy, 7);
+    expect(refusal.weights()).toEqual(before);
+    const more = copy.weights();
+    const places = [...more.keys()].filter((at) => more[at] !== before[at]).map((at) => original.positions.slice(3 * at, 3 * at + 2));
+    expect(places.length).toBeGreaterThan(60);
+    for (const [x, y] of places) expect(Math.max(Math.abs(x! - 0.7), Math.abs(y! - 0.7))).toBeLessThan(0.051);
+  });
 });
+
+describe('what only many samples find', () => {
+  interface Run {
+    readonly triangles: number;
+    readonly mended: number;
+  }
+  const runs = [3000, 1000, 2000].map((triangles) => ({ triangles, mended: 0 }));
+  const looking = async (farOf: (run: Run) => number, most = 5000): Promise<{ found: Run | undefined; looked: Run[] }> => {
+    const looked: Run[] = [];
+    const found = await lookClosely<Run>(runs, most, async (run) => {
+      looked.push(run);
+      return { far: farOf(run), mend: (triangles) => ({ triangles, mended: run.mended + 1 }) };
+    });
+    return { found, looked };
+  };
+
+  it('is refused too, in runs to a few triangles more', async () => {
+    expect((await looking(() => 0)).looked).toEqual([{ triangles: 1000, mended: 0 }]);
+    const { found, looked } = await looking(({ mended }) => Math.max(2 - mended, 0));
+    expect(found).toMatchObject({ mended: 2 });
+    expect(found!.triangles).toBeLessThan(1030);
+    expect(looked.map(({ mended }) => mended)).toEqual([0, 1, 2]);
+  });
+
+  it('leads to the next run when it takes more triangles than that, and ends', async () => {
+    const { found, looked } = await looking(({ triangles }) => (triangles < 2000 ? 300 : 0));
+    expect(found).toEqual({ triangles: 2000, mended: 0 });
+    expect(looked.map(({ triangles }) => triangles)).toEqual([...looked.map(({ triangles }) => triangles)].sort((a, b) => a - b));
+    const never = await looking(() => 1, 1_000_000);
+    expect(never.found).toBeUndefined();
+    expect(never.looked.length).toBeLessThan(20);
+    // The last chance is what was found without it, and nothing that is not coarser than full detail.
+    expect(never.looked).toContainEqual({ triangles: 3000, mended: 0 });
+    expect(Math.max(...(await looking(() => 9000, 3100)).looked.map(({ triangles }) => triangles))).toBeLessThan(3100);
+  });
+});
+
+// Both have a spot or two that few samples miss: the level must not become fine everywhere for them.
+for (const [name, share] of [['bench/beast.obj.gz', 0.3], ['scans/JRC2018M.ply', 0.9]] as const) {
+  testWithAsset(
+    name,
+    `what few samples miss is refused where it is: ${name}`,
+    async (path) => {
+      const file = readFileSync(path);
+      const [bytes, base] = path.endsWith('.gz') ? [gunzipSync(file), basename(path, '.gz')] : [file, basename(path)];
+      using document = await openDocument([{ name: base, bytes }]);
+      const original = (await document.write({ format: 'obj' })).bytes;
+      const { triangles } = await document.simplify({ maximumDeviation: '0.1%' });
+      expect(triangles).toBeLessThan(share * document.summary.triangles);
+      // The report has the last measurement, which is of this level.
+      const written = await document.write({ format: 'obj' });
+      expect(written.report.deviation?.max).toBeLessThanOrEqual(0.001 * document.summary.diagonal);
+      for (const samples of [400_000, 1_000_000]) {
+        expect((await document.measure({ samples })).max).toBeLessThanOrEqual(0.001 * document.summary.diagonal);
+      }
+      if (hasMeter) expect(meter(original, written.bytes).haus).toBeLessThanOrEqual(0.1);
+    },
+    240_000,
+  );
+}

@@ -1,10 +1,11 @@
-// Simplifying to a measured deviation: runs that refuse what was too far away are measured until one is within, or else levels
-// of a record.
+// Simplifying to a measured deviation: runs that refuse what was too far away are measured until one is within, however closely
+// it is looked at, or else levels of a record.
 
-import { CLOSE, findWithin, tryRefusing } from '../bounded.js';
+import { CLOSE, findWithin, lookClosely, tryRefusing } from '../bounded.js';
 import type { Document } from '../document.js';
 import { hasTarget, resolveMaximumDeviation } from '../options.js';
 import { Refusal } from '../refusal.js';
+import type { DeviationMap } from '../report.js';
 import type { DocumentSimplifyOptions, LevelSummary, RunOptions } from '../types.js';
 
 /** Of a limit for the measured deviation, what is kept for places between the samples. */
@@ -32,12 +33,17 @@ interface SearchRange {
   readonly start: number;
 }
 
-/** Runs that seemed to be within a limit. */
-interface Refused {
-  /** Of the coarsest. */
+/** A run that few samples find within a limit: the triangles it is to, and what it refuses. */
+interface Candidate {
   readonly triangles: number;
-  /** Selects the coarsest that is within the limit when it is looked at closely; undefined if none is. */
-  select(): Promise<LevelSummary | undefined>;
+  readonly refusal: Refusal;
+}
+
+/** A run that is within a limit; its level is selected and measured. */
+interface Refused {
+  readonly level: LevelSummary;
+  /** Selects and measures it once more, for the report. */
+  again(): Promise<LevelSummary>;
 }
 
 /** As {@link Document.simplify} with `maximumDeviation`; after an abort or a failure full detail is selected. */
@@ -66,17 +72,7 @@ export async function simplifyWithin(
     // A refusal takes runs of its own, and weights in place of the attribute's.
     const canRefuse = options.timeBudget === undefined && options.weightAttribute === undefined;
     const refused = canRefuse ? await refuse(document, options, safe, range, measuring) : undefined;
-    let level = refused && refused.triangles <= start ? await refused.select() : undefined;
-    if (level === undefined && refused && refused.triangles > start) {
-      // Where everything is as far away as it may be, nothing is gained by refusing, and the record may do better.
-      const known = { ...range, most: refused.triangles, start: Math.floor(PROBE * refused.triangles) };
-      const triangles = await findRecorded(document, safe, known, measuring);
-      level = triangles < refused.triangles ? await document.level({ triangles }) : await refused.select();
-    }
-    if (level === undefined) {
-      const triangles = await findRecorded(document, safe, range, measuring);
-      level = await document.level(triangles >= most ? {} : { triangles });
-    }
+    const level = await coarser(document, refused, safe, range, measuring);
     onProgress?.(1);
     if (level.triangles <= coarsest.triangles) return { ...level, stopReason: coarsest.stopReason, blockers: coarsest.blockers };
     return { ...level, stopReason: 'error' };
@@ -85,6 +81,17 @@ export async function simplifyWithin(
     await document.level({}).catch(() => {});
     throw error;
   }
+}
+
+/** The coarser of what refusals led to and what the record has within `limit`, if it has to be searched; selected. */
+async function coarser(document: Document, refused: Refused | undefined, limit: number, range: SearchRange, run: RunOptions): Promise<LevelSummary> {
+  const fewest = refused?.level.triangles ?? range.most;
+  if (refused && fewest <= range.start) return refused.level;
+  // Where everything is as far away as it may be, nothing is gained by refusing, and the record may do better.
+  const start = refused ? Math.floor(PROBE * fewest) : range.start;
+  const triangles = await findRecorded(document, limit, { ...range, most: fewest, start }, run);
+  if (triangles < fewest) return document.level({ triangles });
+  return refused ? refused.again() : document.level({});
 }
 
 /** The triangles of the coarsest recorded level found that is within `limit`, or the most. */
@@ -103,7 +110,7 @@ async function findRecorded(document: Document, limit: number, range: SearchRang
   return triangles;
 }
 
-/** Runs that are within `limit`, each refusing what led the former beyond it; undefined if there is none. */
+/** The coarsest found of the runs that are within `limit`, each refusing what led the former beyond it; undefined if there is none. */
 async function refuse(
   document: Document,
   options: DocumentSimplifyOptions & RunOptions,
@@ -116,29 +123,46 @@ async function refuse(
   const refusal = new Refusal(original.wedgeSets.map(({ positions }) => positions), options.weights);
   const runTo = (triangles: number, weights: Float32Array): Promise<LevelSummary> =>
     document.simplify({ ...options, weights, ratio: undefined, error: undefined, triangles, everyLevel: false, keepLevels: true, onProgress: undefined });
-  const found: Array<{ readonly triangles: number; readonly weights: Float32Array }> = [];
+  const candidates: Candidate[] = [];
   await tryRefusing(range, async (wanted) => {
-    const weights = refusal.weights();
-    const { triangles } = await runTo(wanted, weights);
-    const { groups, wedgeSets } = await document.geometry();
-    const map = await document.deviationMap({ ...run, samples: SEARCH_SAMPLES });
-    const sets = wedgeSets.map(({ positions }, set) => ({ positions, surroundings: map.wedgeSets[set]?.surroundings ?? new Float32Array() }));
-    const far = await refusal.refuse(sets, groups, FEW_SAMPLES * limit, run.signal);
-    if (far === 0) found.push({ triangles, weights });
+    const before = new Refusal(refusal);
+    const { triangles } = await runTo(wanted, before.weights());
+    const far = await refuseFar(document, refusal, FEW_SAMPLES * limit, await document.deviationMap({ ...run, samples: SEARCH_SAMPLES }), run);
+    if (far === 0) candidates.push({ triangles, refusal: before });
     return { triangles, far };
   });
-  found.sort((a, b) => a.triangles - b.triangles);
-  const [coarsest] = found;
-  return coarsest && {
-    triangles: coarsest.triangles,
-    select: async () => {
-      for (const { triangles, weights } of found) {
-        const level = await runTo(triangles, weights);
-        if (await isWithin(document, limit, run)) return level;
-      }
-      return undefined;
+  let selected: LevelSummary | undefined;
+  const found = await lookClosely(candidates, range.most, async ({ triangles: wanted, refusal: refused }) => {
+    selected = await runTo(wanted, refused.weights());
+    const mended = new Refusal(refused);
+    const far = await refuseClosely(document, mended, limit, run);
+    return { far, mend: (triangles: number): Candidate => ({ triangles, refusal: mended }) };
+  });
+  return found && selected && {
+    level: selected,
+    again: async () => {
+      const level = await runTo(found.triangles, found.refusal.weights());
+      await document.measure({ ...run, samples: FINAL_SAMPLES[1] });
+      return level;
     },
   };
+}
+
+/** Refuses the places of the selected level that are farther away than `limit` on `map`; how many they are. */
+async function refuseFar(document: Document, refusal: Refusal, limit: number, map: DeviationMap, { signal }: RunOptions): Promise<number> {
+  const { groups, wedgeSets } = await document.geometry();
+  const sets = wedgeSets.map(({ positions }, set) => ({ positions, surroundings: map.wedgeSets[set]?.surroundings ?? new Float32Array() }));
+  return refusal.refuse(sets, groups, limit, signal);
+}
+
+/** As {@link refuseFar}, when the level is looked at closely: with the first number of samples that finds any. */
+async function refuseClosely(document: Document, refusal: Refusal, limit: number, run: RunOptions): Promise<number> {
+  for (const samples of FINAL_SAMPLES) {
+    const map = await document.deviationMap({ ...run, samples });
+    // A place that is at the limit but for the map's 32 bits is one, too.
+    if (map.deviation.max > limit) return Math.max(await refuseFar(document, refusal, limit, map, run), 1);
+  }
+  return 0;
 }
 
 /** Whether the selected level is within `limit` when it is looked at closely. */

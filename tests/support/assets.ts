@@ -9,9 +9,9 @@ const folder = new URL('../../../shared/assets/', import.meta.url);
 export const assetPath = (name: string): string => fileURLToPath(new URL(name, folder));
 
 /** A test that runs where the model `name` is there, and else says that it does not. */
-export function testWithAsset(name: string, title: string, run: (path: string) => Promise<void>): void {
+export function testWithAsset(name: string, title: string, run: (path: string) => Promise<void>, milliseconds?: number): void {
   const path = assetPath(name);
   const present = existsSync(path);
   if (!present) console.log(`skipped: ${title}: ${name} is not there`);
-  test.skipIf(!present)(title, () => run(path));
+  test.skipIf(!present)(title, () => run(path), milliseconds);
 }

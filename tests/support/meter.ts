@@ -10,6 +10,9 @@ import { temporaryDirectory } from './program.ts';
 
 const METER = process.env['MESHDIST'] ?? fileURLToPath(new URL('../../../shared/tools/meshdist', import.meta.url));
 
+/** Whether {@link meter} can be asked. */
+export const hasMeter = existsSync(METER);
+
 /** Symmetric distances in per cent of the original's diagonal. */
 export interface Metered {
   readonly mean: number;
