@@ -1,6 +1,6 @@
 // A document: a whole file in the engine, simplified in steps, looked at and written at any level.
 
-import { levelGeometry, progressiveSource } from './document/arrays.js';
+import { levelGeometry, originalPositions, progressiveSource } from './document/arrays.js';
 import { runInEngine } from './document/engine_run.js';
 import { writeLevels, type LevelState, type Written } from './document/write.js';
 import type { EngineObject } from './engine.js';
@@ -80,7 +80,7 @@ export class Document {
     checkNames(options, [...DOCUMENT_SIMPLIFY_NAMES, ...RUN_NAMES]);
     if (options.maximumDeviation !== undefined) {
       const { simplifyWithin } = await import('./document/within.js');
-      return (this.#level = await simplifyWithin(this, options));
+      return (this.#level = await simplifyWithin(this, originalPositions(this.#model, this.summary), options));
     }
     const request: SimplifyRequest = { everyLevel: !hasTarget(options), ...resolveRequest(options, this.summary) };
     // Where every level counts, others will be asked for, and are to be there at once.

@@ -8,7 +8,7 @@ import { findWithin, lookClosely, tryRefusing } from '../dist/bounded.js';
 import { Refusal } from '../dist/refusal.js';
 import { testWithAsset } from './support/assets.ts';
 import { glb, gltfOf } from './support/glb.ts';
-import { hills, objOf } from './support/meshes.ts';
+import { hills, objOf, plyOf } from './support/meshes.ts';
 import { hasMeter, meter, testWithMeter } from './support/meter.ts';
 import { decimesh, temporaryDirectory } from './support/program.ts';
 
@@ -40,6 +40,18 @@ describe('the search', () => {
     const { found } = await run((n) => 1000 / n + (n % 7 === 0 ? 0.5 : 0), 2);
     expect(1000 / found + (found % 7 === 0 ? 0.5 : 0)).toBeLessThanOrEqual(2);
   });
+});
+
+it('takes a model with vertices that no triangle has', async () => {
+  const { indices, ...rest } = hills(24);
+  const used = Uint32Array.from(indices.filter((_, at) => Math.floor(at / 3) % 100 !== 0 && at >= 60));
+  using document = await openDocument(plyOf({ ...rest, indices: used }));
+  const vertices = rest.positions.length / 3;
+  expect(document.summary.wedgeSets.map((set) => set.vertices)).toEqual([vertices]);
+  expect(new Set(used).size).toBeLessThan(vertices);
+  const { triangles } = await document.simplify({ maximumDeviation: '1%' });
+  expect(triangles).toBeLessThan(0.8 * document.summary.triangles);
+  expect((await document.measure({ samples: 1_000_000 })).max).toBeLessThanOrEqual(0.01 * document.summary.diagonal);
 });
 
 it('the level that is selected was measured and is within the limit', async () => {

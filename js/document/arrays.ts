@@ -26,6 +26,18 @@ export function levelGeometry(document: EngineObject<Model>, { groups, wedgeSets
   };
 }
 
+/** The positions of each wedge set as in the file, whatever runs left of them. The selected level stays as it is. */
+export function originalPositions(document: EngineObject<Model>, { wedgeSets }: DocumentSummary): Float32Array[] {
+  return document.call((model) => {
+    model.putAside();
+    try {
+      return wedgeSets.map((_, set) => model.levelPositions(set));
+    } finally {
+      model.bringBack();
+    }
+  });
+}
+
 /** Full detail with the record. The selected level stays as it is. Throws `wrong-state` where there is no whole record. */
 export function progressiveSource(document: EngineObject<Model>, { groups, wedgeSets, diagonal }: DocumentSummary): ProgressiveSource {
   return document.call((model) => {

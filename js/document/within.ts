@@ -46,9 +46,13 @@ interface Refused {
   again(): Promise<LevelSummary>;
 }
 
-/** As {@link Document.simplify} with `maximumDeviation`; after an abort or a failure full detail is selected. */
+/**
+ * As {@link Document.simplify} with `maximumDeviation`; after an abort or a failure full detail is selected. `original` are
+ * the positions of the document's vertices, of each wedge set: full detail may have fewer once vertices became one.
+ */
 export async function simplifyWithin(
   document: Document,
+  original: readonly Float32Array[],
   { maximumDeviation, ...options }: DocumentSimplifyOptions & RunOptions,
 ): Promise<LevelSummary> {
   const limit = resolveMaximumDeviation({ maximumDeviation, ...options }, document.summary);
@@ -71,7 +75,7 @@ export async function simplifyWithin(
     const range = { least: Math.min(coarsest.triangles, most), most, start };
     // A refusal takes runs of its own, and weights in place of the attribute's.
     const canRefuse = options.timeBudget === undefined && options.weightAttribute === undefined;
-    const refused = canRefuse ? await refuse(document, options, safe, range, measuring) : undefined;
+    const refused = canRefuse ? await refuse(document, original, options, safe, range, measuring) : undefined;
     const level = await coarser(document, refused, safe, range, measuring);
     onProgress?.(1);
     if (level.triangles <= coarsest.triangles) return { ...level, stopReason: coarsest.stopReason, blockers: coarsest.blockers };
@@ -113,14 +117,13 @@ async function findRecorded(document: Document, limit: number, range: SearchRang
 /** The coarsest found of the runs that are within `limit`, each refusing what led the former beyond it; undefined if there is none. */
 async function refuse(
   document: Document,
+  original: readonly Float32Array[],
   options: DocumentSimplifyOptions & RunOptions,
   limit: number,
   range: SearchRange,
   run: RunOptions,
 ): Promise<Refused | undefined> {
-  await document.level({});
-  const original = await document.geometry();
-  const refusal = new Refusal(original.wedgeSets.map(({ positions }) => positions), options.weights);
+  const refusal = new Refusal(original, options.weights);
   const runTo = (triangles: number, weights: Float32Array): Promise<LevelSummary> =>
     document.simplify({ ...options, weights, ratio: undefined, error: undefined, triangles, everyLevel: false, keepLevels: true, onProgress: undefined });
   const candidates: Candidate[] = [];
