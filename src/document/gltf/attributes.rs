@@ -10,24 +10,29 @@ use crate::mesh::Blend;
 /// The attributes of a primitive in the order of the mesh: `POSITION`, then as in the file with
 /// `WEIGHTS_n` after `JOINTS_n`, then those of the morph targets.
 pub(super) fn list(primitive: &Value) -> Vec<AttributeSource> {
-    let base: Vec<(&str, usize)> =
-        members(primitive, "attributes").filter_map(|(name, accessor)| Some((name, as_index(accessor)?))).collect();
-    let find = |wanted: &str| base.iter().find(|(name, _)| *name == wanted);
-    let source =
-        |target, &(name, accessor): &(&str, usize)| AttributeSource { target, semantic: name.to_owned(), accessor };
-    let mut list: Vec<AttributeSource> = find("POSITION").map(|position| source(None, position)).into_iter().collect();
-    for entry @ (name, _) in &base {
-        let partner = |own: &str, other: &str| name.strip_prefix(own).and_then(|n| find(&format!("{other}{n}")));
-        if *name == "POSITION" || partner("WEIGHTS_", "JOINTS_").is_some() {
+    // Looked up and not searched: there may be as many as the file has room for.
+    let find = |name: &str| primitive["attributes"].get(name).and_then(as_index);
+    let source = |target, name: &str, accessor| AttributeSource { target, semantic: name.to_owned(), accessor };
+    let mut list: Vec<AttributeSource> = Vec::new();
+    list.extend(find("POSITION").map(|position| source(None, "POSITION", position)));
+    for (name, accessor) in members(primitive, "attributes") {
+        let partner = |own: &str, other: &str| {
+            let partner = name.strip_prefix(own).map(|n| format!("{other}{n}"))?;
+            find(&partner).map(|accessor| (partner, accessor))
+        };
+        let Some(accessor) = as_index(accessor).filter(|_| name != "POSITION") else {
+            continue;
+        };
+        if partner("WEIGHTS_", "JOINTS_").is_some() {
             continue;
         }
-        list.push(source(None, entry));
-        list.extend(partner("JOINTS_", "WEIGHTS_").map(|weights| source(None, weights)));
+        list.push(source(None, name, accessor));
+        list.extend(partner("JOINTS_", "WEIGHTS_").map(|(name, weights)| source(None, &name, weights)));
     }
     for (t, target) in items(primitive, "targets").iter().enumerate() {
         let deltas = target.as_object().into_iter().flat_map(Members::iter);
         let deltas = deltas.filter_map(|(name, accessor)| Some((name, as_index(accessor)?)));
-        list.extend(deltas.map(|delta| source(Some(t), &delta)));
+        list.extend(deltas.map(|(name, accessor)| source(Some(t), name, accessor)));
     }
     list
 }
