@@ -18,6 +18,7 @@ const fan = sample('desk-fan.glb');
 const nefertiti = sample('nefertiti.glb');
 
 const pages = usePages({ viewport: { width: 1100, height: 760 }, serviceWorkers: 'block', plainGround: true });
+const { glimpse, status } = pages;
 let page: Page;
 
 async function openPage(options: PageOptions = {}): Promise<void> {
@@ -25,7 +26,6 @@ async function openPage(options: PageOptions = {}): Promise<void> {
 }
 
 const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true });
-const status = (text: RegExp) => page.getByRole('status').filter({ hasText: text }).waitFor(LONG);
 const ready = () => status(/^Ready/);
 const wanted = async (): Promise<number> => Number(await slider().inputValue());
 const figure = async (name: string): Promise<string> =>
@@ -325,9 +325,7 @@ describe('the slider', () => {
     await openPage();
     const large = writeGlb(subdivide(readFirstPrimitive(nefertiti.bytes), 1));
     await drop({ name: 'large.glb', bytes: large });
-    await status(/^Simplifying/);
-    const bar = page.getByRole('progressbar');
-    await bar.waitFor();
+    await glimpse('[role=progressbar][aria-label^="Simplifying"]');
     await page.keyboard.press('Escape');
     await status(/^Cancelled/);
     await slider().focus();
@@ -371,22 +369,22 @@ describe('measuring', () => {
     await openPage();
     await drop({ name: 'large.glb', bytes: writeGlb(subdivide(readFirstPrimitive(nefertiti.bytes), 1)) });
     await ready();
-    const bar = page.getByRole('progressbar', { name: 'Measuring' });
+    const bar = '[role=progressbar][aria-label="Measuring"]';
     await measure().focus();
     await page.keyboard.press('Enter');
-    await bar.waitFor();
+    await glimpse(bar);
     expect(await cancel().evaluate((button) => button === document.activeElement)).toBe(true);
     await page.keyboard.press('Enter');
     await status(/^Cancelled measuring/);
     await measure().click();
-    await bar.waitFor();
+    await glimpse(bar);
     await page.keyboard.press('Escape');
     await status(/^Cancelled measuring/);
     await measure().click();
-    await bar.waitFor();
+    await glimpse(bar);
     await slider().fill('3000');
     await status(/^Ready\. Showing/);
-    expect(await bar.count()).toBe(0);
+    expect(await page.locator(bar).count()).toBe(0);
     await measure().click();
     await status(/^Measured/);
   });
@@ -466,7 +464,7 @@ describe('the quality', () => {
     const start = () => page.getByRole('button', { name: 'Download', exact: true }).click();
     await start();
     await status(/^Fitting large\.glb/);
-    await page.getByRole('progressbar').waitFor();
+    await glimpse('[role=progressbar]');
     await page.getByRole('button', { name: 'Cancel', exact: true }).click();
     await status(/^(Cancelled|Ready)/);
     expect(saved).toEqual([]);

@@ -9,7 +9,7 @@ import { dropFiles } from './support/browser.mjs';
 import { hills, plyOf } from './support/meshes.ts';
 import { LONG, sample, usePages, type PageOptions } from './support/pages.ts';
 
-const land = { name: 'land.ply', bytes: plyOf(hills(60)) };
+const land = { name: 'land.ply', bytes: plyOf(hills(120)) };
 
 const pages = usePages({ viewport: { width: 1280, height: 900 } });
 const { status } = pages;

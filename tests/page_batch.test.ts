@@ -13,7 +13,7 @@ const fixture = (...path: string[]): Buffer => readFileSync(at('tests', 'fixture
 const plate = (size: number): Uint8Array => plyOf(hills(size));
 
 const pages = usePages({ viewport: { width: 1280, height: 900 }, picture: false });
-const { status } = pages;
+const { glimpse, status } = pages;
 let page: Page;
 
 const open = async (): Promise<void> => {
@@ -54,8 +54,7 @@ describe('a queue', () => {
     await open();
     await dropFiles(page, [{ name: 'small.ply', bytes: plate(10) }, { name: 'large.ply', bytes: plate(500) }, { name: 'last.ply', bytes: plate(10) }]);
     await page.getByRole('button', { name: 'Simplify all' }).click();
-    await items().nth(0).filter({ hasText: /%/ }).waitFor();
-    await items().nth(1).filter({ hasText: 'simplifying' }).waitFor();
+    await glimpse('.batch-item', /^large\.ply.*simplifying/);
     await page.keyboard.press('Escape');
     await status(/^Cancelled/);
     expect(await items().nth(2).innerText()).toContain('cancelled');

@@ -17,12 +17,12 @@ beforeAll(() => cpSync(at('site'), site, { recursive: true }));
 afterAll(() => rmSync(site, { recursive: true, force: true }));
 
 const pages = usePages({ directory: site, viewport: { width: 1100, height: 760 } });
+const { status } = pages;
 let page: Page;
 beforeEach(async () => {
   page = await pages.open();
 });
 
-const status = (text: RegExp) => page.getByRole('status').filter({ hasText: text }).waitFor(LONG);
 const ready = () => status(/^Ready/);
 const kept = (part: string) =>
   page.evaluate(async (name) => {

@@ -12,7 +12,7 @@ const fan = sample('desk-fan.glb');
 const helmet = sample('flight-helmet.glb');
 
 const pages = usePages({ viewport: { width: 1280, height: 900 }, permissions: ['clipboard-read', 'clipboard-write'], picture: false });
-const { status } = pages;
+const { glimpse, status } = pages;
 let page: Page;
 
 async function openPage(options: PageOptions = {}): Promise<void> {
@@ -92,8 +92,7 @@ describe('options', () => {
     await status(/^Ready\. Showing/);
     await page.keyboard.press('o');
     await page.getByRole('checkbox', { name: /^Lock open borders/ }).check();
-    await status(/^Simplifying/);
-    await page.getByRole('progressbar').waitFor();
+    await glimpse('[role=progressbar][aria-label^="Simplifying"]');
     // The options stay: Escape stops what is under way first.
     await page.keyboard.press('Escape');
     await status(/^Cancelled/);

@@ -15,6 +15,7 @@ const nefertiti = sample('nefertiti.glb');
 const morphing = { name: 'cube.glb', bytes: readFileSync(at('tests', 'fixtures', 'gltf', 'AnimatedMorphCube.glb')) };
 
 const pages = usePages({ viewport: { width: 1100, height: 760 }, serviceWorkers: 'block', plainGround: true });
+const { glimpse, status } = pages;
 let page: Page;
 
 async function openPage(options: PageOptions = {}): Promise<void> {
@@ -22,7 +23,6 @@ async function openPage(options: PageOptions = {}): Promise<void> {
 }
 
 const slider = () => page.getByRole('slider', { name: 'Triangles', exact: true });
-const status = (text: RegExp) => page.getByRole('status').filter({ hasText: text }).waitFor(LONG);
 const ready = () => status(/^Ready/);
 const handle = () => page.getByRole('separator', { name: 'Handle between original and result' });
 const options = () => page.getByRole('button', { name: 'View options', exact: true });
@@ -205,7 +205,7 @@ describe('surfaces and lines', () => {
     await openAt({ name: 'large.glb', bytes: writeGlb(subdivide(readFirstPrimitive(nefertiti.bytes), 1)) }, '60000');
     await options().click();
     await choice('Distance from the original').check();
-    await page.getByRole('progressbar', { name: 'Measuring' }).waitFor();
+    await glimpse('[role=progressbar][aria-label="Measuring"]');
     await page.getByRole('button', { name: 'Cancel measuring' }).click();
     await status(/^Cancelled measuring/);
     expect(await choice('As in the file').isChecked()).toBe(true);

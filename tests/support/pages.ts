@@ -9,6 +9,8 @@ import { makeGroundPlain } from './picture.ts';
 /** For what takes long on two busy cores; less than a test may take, so that it is told what was waited for. */
 export const LONG = { timeout: 50_000 };
 
+const OFTEN = { ...LONG, polling: 10 };
+
 /** How to open a page; what a browser's context takes goes there. */
 export interface PageOptions extends BrowserContextOptions {
   /** What follows the address. Default: nothing. */
@@ -29,6 +31,11 @@ export interface Pages {
   open(options?: PageOptions): Promise<Page>;
   /** Waits until the live region says what matches; also while a sheet hides it. */
   status(text: RegExp): Promise<void>;
+  /**
+   * Waits until an element that `selector` matches has text that matches. Looks every few milliseconds: what is there only
+   * while work lasts may come and go between two looks of a locator, which are up to half a second apart.
+   */
+  glimpse(selector: string, text?: RegExp): Promise<void>;
   /** Complaints so far that contain `text` were to be expected. */
   forgive(text: string): void;
 }
@@ -54,6 +61,14 @@ export function usePages({ directory, ...defaults }: PageOptions & { readonly di
     expect(found).toEqual([]);
   });
 
+  async function glimpse(selector: string, { source, flags } = /(?:)/): Promise<void> {
+    const opened = page as Page;
+    await opened.waitForFunction(isThere, [selector, source, flags] as const, OFTEN).catch(async (cause: unknown) => {
+      const texts = await opened.locator(selector).allTextContents();
+      throw new Error(`no ${selector} with /${source}/ came; at last there were ${JSON.stringify(texts)}`, { cause });
+    });
+  }
+
   return {
     get url() {
       return served.url;
@@ -73,11 +88,18 @@ export function usePages({ directory, ...defaults }: PageOptions & { readonly di
       await page.goto(served.url + path);
       return page;
     },
-    status: (text) => (page as Page).locator('p[role=status]').filter({ hasText: text }).waitFor({ ...LONG, state: 'attached' }),
+    status: (text) => glimpse('p[role=status]', text),
+    glimpse,
     forgive(text) {
       problems = problems.filter((problem) => !problem.includes(text));
     },
   };
+}
+
+/** In the page. */
+function isThere([selector, source, flags]: readonly [string, string, string]): boolean {
+  const wanted = new RegExp(source, flags);
+  return [...document.querySelectorAll(selector)].some(({ textContent }) => wanted.test((textContent ?? '').replace(/\s+/g, ' ').trim()));
 }
 
 function takeWebGLAway(): void {
