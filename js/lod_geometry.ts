@@ -167,6 +167,8 @@ export class VertexTable {
   readonly vertices: Vertices;
   /** Numbers of vertices plus one, at their hashes or behind; 0 is free. */
   readonly #slots: Uint32Array;
+  /** Where the hash starts: another each time, so that nobody can choose vertices whose hashes are the same. */
+  readonly #seed = Math.floor(Math.random() * 2 ** 32);
 
   constructor(vertices: Vertices) {
     this.vertices = vertices;
@@ -192,7 +194,7 @@ export class VertexTable {
   /** The slot of the same vertex, or the free one where it would be. */
   #slotOf({ words, size }: Vertices, vertex: number): number {
     const start = vertex * size;
-    let hash = 0x811c9dc5;
+    let hash = this.#seed;
     for (let word = start; word < start + size; word += 1) {
       hash = Math.imul(hash ^ (words[word] as number), 0x01000193);
       hash ^= hash >>> 15;

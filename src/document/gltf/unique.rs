@@ -1,12 +1,24 @@
 //! Rows of numbers that lie in columns, each bit pattern kept once: an open-addressing table of the rows' hashes.
 
+use crate::document::row_table::LONGEST_CHAIN;
+
+/// Hashes that are tried where the ones before put too many rows into one chain, as nobody's rows do but those that were
+/// chosen for it.
+const SEEDS: u32 = 16;
+
 /// Numbers of every row, and how many there are in each.
 pub(super) type Rows<'a> = (&'a [f32], usize);
 
 /// The number of each row among those kept: the first of equal rows (bit for bit in every column), in their order.
 /// `None` if no two are equal.
 pub(super) fn repeated(columns: &[Rows<'_>], count: usize) -> Option<Vec<u32>> {
-    let hashes = hashes(columns, count);
+    let chosen = (0..SEEDS).find_map(|seed| numbered(columns, count, seed, LONGEST_CHAIN));
+    chosen.unwrap_or_else(|| numbered(columns, count, SEEDS, usize::MAX).flatten())
+}
+
+/// The same by hashes that start from `seed`; nothing if a chain of more than `longest` slots had to be looked through.
+fn numbered(columns: &[Rows<'_>], count: usize, seed: u32, longest: usize) -> Option<Option<Vec<u32>>> {
+    let hashes = hashes(columns, count, seed);
     // At most half full, so that probes stay short. A row's number plus one; 0 where free.
     let slots = (count.max(1) * 2).next_power_of_two();
     let mut table = vec![0u32; slots];
@@ -15,6 +27,7 @@ pub(super) fn repeated(columns: &[Rows<'_>], count: usize) -> Option<Vec<u32>> {
     let mut kept = 0;
     for (row, &hash) in hashes.iter().enumerate() {
         let mut slot = hash as usize & (slots - 1);
+        let mut chain = 0;
         let known = loop {
             let Some(found) = (table[slot] as usize).checked_sub(1) else {
                 table[slot] = row as u32 + 1;
@@ -24,6 +37,10 @@ pub(super) fn repeated(columns: &[Rows<'_>], count: usize) -> Option<Vec<u32>> {
                 break Some(found);
             }
             slot = (slot + 1) & (slots - 1);
+            chain += 1;
+            if chain > longest {
+                return None;
+            }
         };
         if known.is_some() && kept == row {
             numbers.reserve_exact(count);
@@ -34,7 +51,7 @@ pub(super) fn repeated(columns: &[Rows<'_>], count: usize) -> Option<Vec<u32>> {
             numbers.push(known.map_or(kept as u32 - 1, |known| numbers[known]));
         }
     }
-    (kept < count).then_some(numbers)
+    Some((kept < count).then_some(numbers))
 }
 
 /// Leaves the rows that are kept, by the numbers that [`repeated`] gave.
@@ -55,9 +72,9 @@ fn equal(&(values, width): &Rows<'_>, a: usize, b: usize) -> bool {
 }
 
 /// Multiply and fold; the fold carries high bits down to where the table looks.
-fn hashes(columns: &[Rows<'_>], count: usize) -> Vec<u32> {
+fn hashes(columns: &[Rows<'_>], count: usize, seed: u32) -> Vec<u32> {
     const FACTOR: u64 = 0x9E37_79B9_7F4A_7C15; // 2^64 / golden ratio: odd, without a pattern in its bits
-    let mut hashes = vec![0u32; count];
+    let mut hashes = vec![seed; count];
     for &(values, width) in columns {
         for (hash, row) in hashes.iter_mut().zip(values.chunks_exact(width)) {
             let h = row.iter().fold(u64::from(*hash) ^ FACTOR, |h, value| {
@@ -72,7 +89,7 @@ fn hashes(columns: &[Rows<'_>], count: usize) -> Vec<u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::{keep, repeated};
+    use super::{LONGEST_CHAIN, hashes, keep, numbered, repeated};
 
     #[test]
     fn the_first_of_equal_rows_is_kept() {
@@ -90,6 +107,18 @@ mod tests {
         assert_eq!(repeated(&[(&a, 1), (&b, 1)], 4).unwrap(), [0, 1, 0, 2]);
         assert_eq!(repeated(&[(&a, 2), (&b, 2)], 2), None);
         assert_eq!(repeated(&[], 0), None);
+    }
+
+    #[test]
+    fn rows_chosen_to_collide_are_hashed_anew() {
+        let slots = 4096;
+        let place = |row: &[f32; 2]| hashes(&[(row, 2)], 1, 0)[0] & (slots - 1);
+        let rows = (0..u32::MAX).map(|i| [f32::from_bits(i), 1.0]).filter(|row| place(row) == 5);
+        let values: Vec<f32> = rows.take(slots as usize / 4).chain([[0.0, 7.0], [0.0, 7.0]]).flatten().collect();
+        let columns: [(&[f32], usize); 1] = [(&values, 2)];
+        assert_eq!(numbered(&columns, values.len() / 2, 0, LONGEST_CHAIN), None);
+        let numbers = repeated(&columns, values.len() / 2).unwrap();
+        assert_eq!(numbers[numbers.len() - 3..], [slots / 4 - 1, slots / 4, slots / 4]);
     }
 
     #[test]
