@@ -42,6 +42,9 @@ export interface LevelSource {
   inputParts(): Parts;
 }
 
+/** About how many of the geometry's bytes are left by what packs them; enough for a first guess. */
+const SHARES = { meshopt: 0.4, draco: 0.15 } as const;
+
 /** A level as the bytes of files, and the state it was taken in. */
 interface EncodedLevel extends EncodedFiles {
   readonly losses: readonly Warning[];
@@ -93,21 +96,36 @@ class LevelWriter {
   /** The largest recorded level of at most `limit` bytes, or the smallest if none is; it is selected. */
   async within(limit: number): Promise<EncodedLevel> {
     const source = this.#source;
-    const { triangles: most, wedgeSets } = source.summary;
-    // Numbers of four bytes for every vertex, and half of the indices in two.
-    const vertexBytes = wedgeSets.map(({ vertices, attributes }) =>
-      attributes.reduce((sum, { components }) => sum + 4 * components, 12) * vertices);
-    const bytesPerTriangle = vertexBytes.reduce((sum, bytes) => sum + bytes, 0) / most + 9;
+    const { triangles: most } = source.summary;
     const { triangles: least } = await source.level({ triangles: 0 });
-    const found = await findSize(limit, { least, most, bytesPerTriangle }, async (wanted) => {
+    const found = await findSize(limit, { least, most, first: this.#trianglesOf(limit) }, async (wanted) => {
       // As far as it goes, and not to what that came to: the stop reason tells.
       const { triangles } = await source.level(wanted >= most ? {} : { triangles: wanted <= least ? 0 : wanted });
       const output = await this.selected();
-      return { triangles, bytes: sizeOf(output), output };
+      return { triangles, bytes: sizeOf(output), geometry: this.#parts(output).geometry, output };
     });
     // The last one that was tried need not be the one that fits.
     await source.level({ triangles: found.bytes > limit ? 0 : found.triangles });
     return found.output;
+  }
+
+  /** A first guess of how many triangles `limit` bytes can hold. */
+  #trianglesOf(limit: number): number {
+    const { triangles, wedgeSets, format, compression } = this.#source.summary;
+    const { compress, quantize } = this.#options.encoding;
+    const { geometry, textures, animation } = this.#source.inputParts();
+    // Numbers of four bytes for every vertex, and half of the indices in two.
+    const plain = wedgeSets.reduce((sum, { vertices, attributes }) =>
+      sum + attributes.reduce((bytes, { components }) => bytes + 4 * components, 12) * vertices, 9 * triangles);
+    const isAsGiven = compress === compression && holdsEncodings(format) && holdsEncodings(this.#options.format);
+    const share = compress === 'none' ? (quantize ? 0.5 : 1) : SHARES[compress];
+    const bytes = isAsGiven && compress !== 'none' ? geometry : plain * share;
+    return Math.floor((triangles * Math.max(0, limit - textures - animation * (compress === 'meshopt' && !isAsGiven ? share : 1))) / Math.max(1, bytes));
+  }
+
+  #parts({ bytes, files }: EncodedLevel): Parts {
+    const { format } = this.#options;
+    return partsOf(partsSource([{ name: `output.${format}`, bytes }, ...files], format));
   }
 
   /** The levels `wanted` in one file, each once; the finest is selected. */
