@@ -1,6 +1,6 @@
 // The level whose output fits: found in three encodes where the bytes go with the triangles as encodings have it.
 import { describe, expect, it } from 'vitest';
-import { findSize } from '../js/size.js';
+import { findSize } from '../dist/size.js';
 
 const MOST = 100_000;
 const LEAST = 12;

@@ -49,6 +49,7 @@ const SHARES = { meshopt: 0.4, draco: 0.15 } as const;
 interface EncodedLevel extends EncodedFiles {
   readonly losses: readonly Warning[];
   readonly state: LevelState;
+  readonly parts: Parts;
 }
 
 /** Writes as `Document.write` says. */
@@ -59,7 +60,7 @@ export async function writeLevels(source: LevelSource, options: WriteOptions): P
   const writer = new LevelWriter(source, resolved);
   const chain = options.lods && (await writer.chain(options.lods, options.lodSwitch));
   const encoded = chain?.encoded ?? (options.size === undefined ? await writer.selected() : await writer.within(options.size));
-  const { bytes, files, warnings, dropped, losses, state } = encoded;
+  const { bytes, files, warnings, dropped, losses, state, parts } = encoded;
   const { level, measured } = state;
   const timings = { ...state.timings, write: performance.now() - start, measure: measured?.milliseconds ?? 0 };
   const size = sizeOf(encoded);
@@ -67,8 +68,7 @@ export async function writeLevels(source: LevelSource, options: WriteOptions): P
   if (options.size !== undefined && size > options.size) {
     told.push({ code: 'size-not-reached', message: `the smallest recorded level takes ${size} bytes`, where: '' });
   }
-  const made = partsOf(partsSource([{ name: `output.${format}`, bytes }, ...files], format));
-  const output = { format, bytes: size, parts: made, triangles: (level?.triangles ?? source.summary.triangles) - dropped };
+  const output = { format, bytes: size, parts, triangles: (level?.triangles ?? source.summary.triangles) - dropped };
   const report = {
     summary: source.summary, level, deviation: measured?.deviation, output, parts: source.inputParts(), timings, losses: told, lods: chain?.lods,
   };
@@ -102,7 +102,7 @@ class LevelWriter {
       // As far as it goes, and not to what that came to: the stop reason tells.
       const { triangles } = await source.level(wanted >= most ? {} : { triangles: wanted <= least ? 0 : wanted });
       const output = await this.selected();
-      return { triangles, bytes: sizeOf(output), geometry: this.#parts(output).geometry, output };
+      return { triangles, bytes: sizeOf(output), geometry: output.parts.geometry, output };
     });
     // The last one that was tried need not be the one that fits.
     await source.level({ triangles: found.bytes > limit ? 0 : found.triangles });
@@ -111,21 +111,18 @@ class LevelWriter {
 
   /** A first guess of how many triangles `limit` bytes can hold. */
   #trianglesOf(limit: number): number {
-    const { triangles, wedgeSets, format, compression } = this.#source.summary;
+    const { triangles, wedgeSets, compression } = this.#source.summary;
     const { compress, quantize } = this.#options.encoding;
     const { geometry, textures, animation } = this.#source.inputParts();
     // Numbers of four bytes for every vertex, and half of the indices in two.
     const plain = wedgeSets.reduce((sum, { vertices, attributes }) =>
       sum + attributes.reduce((bytes, { components }) => bytes + 4 * components, 12) * vertices, 9 * triangles);
-    const isAsGiven = compress === compression && holdsEncodings(format) && holdsEncodings(this.#options.format);
+    const isAsGiven = compress !== 'none' && compress === compression;
     const share = compress === 'none' ? (quantize ? 0.5 : 1) : SHARES[compress];
-    const bytes = isAsGiven && compress !== 'none' ? geometry : plain * share;
-    return Math.floor((triangles * Math.max(0, limit - textures - animation * (compress === 'meshopt' && !isAsGiven ? share : 1))) / Math.max(1, bytes));
-  }
-
-  #parts({ bytes, files }: EncodedLevel): Parts {
-    const { format } = this.#options;
-    return partsOf(partsSource([{ name: `output.${format}`, bytes }, ...files], format));
+    const bytes = isAsGiven ? geometry : plain * share;
+    // Meshopt packs animations too.
+    const rest = textures + animation * (compress === 'meshopt' && !isAsGiven ? share : 1);
+    return Math.floor((triangles * Math.max(0, limit - rest)) / Math.max(1, bytes));
   }
 
   /** The levels `wanted` in one file, each once; the finest is selected. */
@@ -171,7 +168,8 @@ class LevelWriter {
     const encoded = holdsEncodings(format)
       ? await encodeGlb(written, encoding, format === 'gltf' ? name : undefined)
       : { bytes: written, files: [], warnings: [], dropped: 0 };
-    return { ...encoded, losses, state };
+    const parts = partsOf(partsSource([{ name: `output.${format}`, bytes: encoded.bytes }, ...encoded.files], format));
+    return { ...encoded, losses, state, parts };
   }
 }
 
