@@ -217,7 +217,7 @@ export interface DocumentSimplifyOptions extends SimplifyOptions {
   /**
    * The largest distance of either surface from the other that may be measured: a number > 0 in model units, or `'0.1%'` of
    * the bounding box's diagonal. Records every level, and selects the coarsest level found whose maximum, measured both ways
-   * with a million samples on each side beside vertices and edges, is below it by 4 %, for what lies between the samples.
+   * as {@link Document.measure} does, is below it by 1 %, for what another look may find.
    * Collapses that would lead beyond it are refused, and others go on, unless there is a `timeBudget` or a `weightAttribute`:
    * then the level is one of the record. Takes about a dozen runs and measurements. Beside other targets, the first that is
    * reached counts. Default: nothing is measured.
@@ -261,7 +261,8 @@ export interface RunOptions {
 export interface MeasureOptions {
   /**
    * Samples on the faces of either side, an integer from 1 to 1e9; vertices and edges come on top. Default 400,000,
-   * with which mean and rms are exact to a small part of a per cent. Few make the maximum too small, more take longer.
+   * with which mean and rms are exact to a small part of a per cent. The maximum is climbed to from the farthest samples; very
+   * few may miss the spot.
    */
   readonly samples?: number | undefined;
 }

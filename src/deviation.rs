@@ -5,8 +5,9 @@
 //! an estimate; this is what a ruler would say. [`DeviationMeter`] works in bounded steps.
 //!
 //! Mean and root mean square are over area, so samples on faces, at equal steps of area, make them
-//! up. The maximum also looks at every vertex and along the edges, where it likes to sit; it is
-//! never above the Hausdorff distance, and reaches it as the samples get denser.
+//! up. The maximum also looks at every vertex and along the edges, where it likes to sit, and then
+//! climbs from the farthest samples to where the distance is largest ([`farthest`]). It is never above
+//! the Hausdorff distance.
 //!
 //! Each part is measured against the same part of the other mesh, in its own space; distances and
 //! areas are then put together in world units ([`Part::scale`](crate::mesh::Part)). Triangles
@@ -14,6 +15,7 @@
 
 mod attributes;
 mod bvh;
+mod farthest;
 mod map;
 mod sampling;
 mod surface;
@@ -25,6 +27,7 @@ use crate::error::{Error, ErrorCode};
 use crate::mesh::Mesh;
 use crate::simplify::Progress;
 use attributes::Comparison;
+use farthest::{Candidate, Farthest, climb};
 use map::DistanceMap;
 use sampling::{Sample, SampleKind, Sampler, Spacing};
 use surface::Surface;
@@ -33,7 +36,7 @@ use surface::Surface;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DeviationOptions {
     /// Samples on the faces of each side, at least 1; default 400,000. Mean and rms are then exact
-    /// to a small part of a per cent; few samples make the maximum too small.
+    /// to a small part of a per cent, and the maximum where no spot is smaller than their distance.
     pub sample_count: usize,
     /// Whether [`Deviation::vertex_distances`] is wanted; default false.
     pub vertex_distances: bool,
@@ -56,7 +59,7 @@ pub struct SideDeviation {
     pub mean: f64,
     /// The root mean square over the area.
     pub rms: f64,
-    /// How many places were measured at: on faces, edges and vertices together.
+    /// How many places were measured at: on faces, edges and vertices, and from the farthest of them on.
     pub samples: u64,
 }
 
@@ -121,6 +124,7 @@ pub struct DeviationMeter {
 enum Stage {
     Build { side: usize, part: usize },
     Walk(Box<Walk>),
+    Climb(Climbs),
     Done,
 }
 
@@ -132,6 +136,16 @@ struct Walk {
     sampler: Sampler,
     /// The last answer, near which the next one is.
     hint: u32,
+    farthest: Farthest,
+}
+
+/// Climbs from the farthest samples of one side that are still to do, the farthest last.
+#[derive(Debug)]
+struct Climbs {
+    side: usize,
+    candidates: Vec<Candidate>,
+    /// World units.
+    step: f64,
 }
 
 /// What a side adds up to.
@@ -208,6 +222,7 @@ impl DeviationMeter {
             let used = match &mut self.stage {
                 Stage::Build { .. } => self.build(),
                 Stage::Walk(_) => self.walk(left),
+                Stage::Climb(_) => self.climb(),
                 Stage::Done => return Progress { fraction: 1.0, done: true },
             };
             left = left.saturating_sub(used.max(1));
@@ -278,6 +293,7 @@ impl DeviationMeter {
             part: 0,
             sampler: Sampler::new(Spacing { area, length: area.sqrt() }, self.wedge_counts[side]),
             hint: 0,
+            farthest: Farthest::default(),
         }))
     }
 
@@ -286,7 +302,8 @@ impl DeviationMeter {
         let Stage::Walk(walk) = &mut self.stage else { return 0 };
         let side = walk.side;
         if walk.part == self.scales.len() {
-            self.stage = if side == 0 { self.walk_on(1) } else { Stage::Done };
+            let candidates = std::mem::take(&mut walk.farthest).finish(self.sums[side].max);
+            self.stage = Stage::Climb(Climbs { side, candidates, step: walk.sampler.spacing() });
             return 0;
         }
         let (mine, other) = (&self.sides[side][walk.part], &self.sides[1 - side][walk.part]);
@@ -316,6 +333,10 @@ impl DeviationMeter {
                     let there = (&opposite.corners[at], &opposite.wedges[at]);
                     comparison.add(side, point, here, there, kind == SampleKind::Face);
                 }
+                let (part, sample_triangle) = (walk.part, triangle as u32);
+                let candidate =
+                    Candidate { distance, part, triangle: sample_triangle, nearest: nearest.triangle, point };
+                walk.farthest.offer(candidate, sums.max);
                 if let Some(map) = &mut self.map {
                     // Either way it is a triangle of the simplified surface that is marked.
                     let (surface, triangle) =
@@ -342,6 +363,30 @@ impl DeviationMeter {
             walk.sampler.enter_part();
         }
         used
+    }
+
+    /// Climbs from one candidate; returns the queries that it took.
+    fn climb(&mut self) -> usize {
+        let Stage::Climb(climbs) = &mut self.stage else { return 0 };
+        let side = climbs.side;
+        let Some(candidate) = climbs.candidates.pop() else {
+            self.stage = if side == 0 { self.walk_on(1) } else { Stage::Done };
+            return 0;
+        };
+        let Candidate { part, triangle, .. } = candidate;
+        let (mine, other) = (&self.sides[side][part], &self.sides[1 - side][part]);
+        let (scale, sums) = (self.scales[part], &mut self.sums[side]);
+        let corners = &mine.walkway(scale).corners[triangle as usize];
+        let peak = climb(&candidate, corners, other.bvh(), climbs.step / scale, sums.max / scale);
+        let distance = peak.nearest.distance_squared.sqrt() * scale;
+        sums.samples += u64::from(peak.places);
+        sums.max = sums.max.max(distance);
+        if let Some(map) = &mut self.map {
+            let (surface, at) = if side == 0 { (other, peak.nearest.triangle) } else { (mine, triangle) };
+            let (way, at) = (surface.walkway(scale), at as usize);
+            map.mark(peak.point, &way.corners[at], &way.wedges[at], distance);
+        }
+        peak.places as usize + peak.nodes as usize / NODES_PER_QUERY
     }
 
     /// Gives the original's vertices of parts that are gone the distance that [`Sums::lose`] does.

@@ -56,6 +56,33 @@ fn sphere(times: u32, radius: f64) -> Mesh {
     Mesh::from_arrays(positions, indices, vec![])
 }
 
+/// Very small triangles at these places, and one between them.
+fn specks_and_a_triangle(places: [[f32; 3]; 3]) -> (Mesh, Mesh) {
+    let speck = |p: [f32; 3]| [p, [p[0] + 1e-4, p[1], p[2]], [p[0], p[1] + 1e-4, p[2]]];
+    let positions = places.into_iter().flat_map(speck).collect();
+    let specks = Mesh::from_arrays(positions, vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]], vec![]);
+    (specks, Mesh::from_arrays(places.to_vec(), vec![[0, 1, 2]], vec![]))
+}
+
+#[test]
+fn the_maximum_is_found_between_the_samples() {
+    // The farthest from all corners is the circumcentre: here (1, 0.75), if it is inside.
+    let (specks, triangle) = specks_and_a_triangle([[0.0; 3], [2.0, 0.0, 0.0], [1.0, 2.0, 0.0]]);
+    for sample_count in [1, 10, 100, 1000] {
+        let deviation = measure(&triangle, &specks, &with(sample_count)).unwrap();
+        let side = deviation.original_to_simplified;
+        assert!(near(side.max, 1.25, 2e-3), "{sample_count} samples: {}", side.max);
+        assert_eq!(deviation.max, side.max);
+        let marked = deviation.simplified_surroundings.iter().fold(0.0_f32, |max, d| max.max(*d));
+        assert!(near(f64::from(marked), side.max, 1e-6), "the map has it too: {marked}");
+    }
+    // An obtuse one's circumcentre is outside: the farthest place is on the longest edge, as far
+    // from its end as from the corner between the others.
+    let (specks, triangle) = specks_and_a_triangle([[0.0; 3], [4.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
+    let deviation = measure(&triangle, &specks, &with(100)).unwrap();
+    assert!(near(deviation.original_to_simplified.max, 3.0 - 4.0 / 3.0, 2e-3), "{}", deviation.max);
+}
+
 #[test]
 fn a_mesh_is_at_no_distance_from_itself() {
     for (name, mesh, _) in support::all() {

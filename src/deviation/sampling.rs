@@ -83,6 +83,11 @@ impl Sampler {
         }
     }
 
+    /// Distance of two samples, world units.
+    pub(super) fn spacing(&self) -> f64 {
+        self.spacing.length
+    }
+
     /// Goes to the first triangle of another part.
     pub(super) fn enter_part(&mut self) {
         self.triangle = 0;

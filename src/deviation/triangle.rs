@@ -87,6 +87,25 @@ pub(super) fn point_at(corners: &[[f32; 3]; 3], weights: [f64; 3]) -> Point {
     [u * a[0] + v * b[0] + w * c[0], u * a[1] + v * b[1] + w * c[1], u * a[2] + v * b[2] + w * c[2]]
 }
 
+/// `p` moved by so many times a direction.
+#[inline(always)]
+pub(super) fn along(p: Point, direction: Point, times: f64) -> Point {
+    [p[0] + times * direction[0], p[1] + times * direction[1], p[2] + times * direction[2]]
+}
+
+/// Two directions of length 1 at a right angle in the triangle's plane; the second is 0 if the
+/// triangle is so thin that it has none.
+pub(super) fn tangents(corners: &[[f32; 3]; 3]) -> [Point; 2] {
+    let [a, b, c] = corners.map(wide);
+    let unit = |v: Point| {
+        let squared = dot(v, v);
+        if squared > 0.0 { v.map(|x| x / squared.sqrt()) } else { [0.0; 3] }
+    };
+    let first = unit(minus(b, a));
+    let ac = minus(c, a);
+    [first, unit(along(ac, first, -dot(ac, first)))]
+}
+
 /// Squared distance of `p` from the nearest point of the triangle, by the region of the plane that
 /// `p` projects to (Ericson 2005, section 5.1.5).
 #[inline]
@@ -202,6 +221,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn tangents_are_at_right_angles_in_the_plane() {
+        for corners in [CORNERS, [[1.0, 2.0, 3.0], [-1.0, 4.0, 2.0], [5.0, 5.0, 9.0]]] {
+            let [u, v] = tangents(&corners);
+            assert!((dot(u, u) - 1.0).abs() < 1e-15 && (dot(v, v) - 1.0).abs() < 1e-15 && dot(u, v).abs() < 1e-15);
+            let normal = cross(minus(wide(corners[1]), wide(corners[0])), minus(wide(corners[2]), wide(corners[0])));
+            assert!(dot(normal, u).abs() < 1e-13 && dot(normal, v).abs() < 1e-13);
+        }
+        assert_eq!(tangents(&[[0.0; 3], [2.0, 0.0, 0.0], [1.0, 0.0, 0.0]]), [[1.0, 0.0, 0.0], [0.0; 3]]);
+        assert_eq!(tangents(&[[0.0; 3]; 3]), [[0.0; 3]; 2]);
     }
 
     #[test]
