@@ -20,7 +20,7 @@ mod contraction;
 mod edges;
 mod fit;
 mod gradient;
-mod lanes;
+pub(crate) mod lanes;
 mod legality;
 mod memory;
 mod pairs;

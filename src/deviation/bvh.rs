@@ -8,16 +8,28 @@
 //! smallest distance does not depend on where a query starts, and is the same everywhere.
 
 use super::triangle::{Point, distance_squared, wide};
+use crate::simplify::lanes::Lanes;
 
 /// The boxes of four nodes, or of four triangles, by axis; an absent one is inside out.
 #[derive(Debug, Clone, Copy)]
-#[repr(align(16))]
 struct Quad {
+    low: [Lanes; 3],
+    high: [Lanes; 3],
+}
+
+/// The boxes of a node while they are found.
+struct Boxes {
     low: [[f32; 4]; 3],
     high: [[f32; 4]; 3],
 }
 
-const EMPTY: Quad = Quad { low: [[f32::INFINITY; 4]; 3], high: [[f32::NEG_INFINITY; 4]; 3] };
+const EMPTY: Boxes = Boxes { low: [[f32::INFINITY; 4]; 3], high: [[f32::NEG_INFINITY; 4]; 3] };
+
+impl Boxes {
+    fn quad(&self) -> Quad {
+        Quad { low: self.low.map(Lanes::new), high: self.high.map(Lanes::new) }
+    }
+}
 
 /// Enough for any number of triangles that a `u32` can count: 4¹⁶.
 const MOST_LEVELS: usize = 16;
@@ -130,31 +142,31 @@ impl Bvh {
         let mut quads: Vec<Quad> = Vec::with_capacity(corners.len() / 3 + MOST_LEVELS);
         let mut level_starts = vec![0];
         for four in corners.chunks(4) {
-            let mut quad = EMPTY;
+            let mut boxes = EMPTY;
             for (lane, triangle) in four.iter().enumerate() {
                 for p in triangle {
                     for (k, &c) in p.iter().enumerate() {
                         let c = (f64::from(c) * unit) as f32;
-                        quad.low[k][lane] = quad.low[k][lane].min(c);
-                        quad.high[k][lane] = quad.high[k][lane].max(c);
+                        boxes.low[k][lane] = boxes.low[k][lane].min(c);
+                        boxes.high[k][lane] = boxes.high[k][lane].max(c);
                     }
                 }
             }
-            quads.push(quad);
+            quads.push(boxes.quad());
         }
         let mut below = 0;
         while quads.len() - below > 1 {
             let end = quads.len();
             level_starts.push(end);
             for first in (below..end).step_by(4) {
-                let mut quad = EMPTY;
+                let mut boxes = EMPTY;
                 for (lane, child) in quads[first..end.min(first + 4)].iter().enumerate() {
                     for k in 0..3 {
-                        quad.low[k][lane] = child.low[k].iter().copied().fold(f32::INFINITY, f32::min);
-                        quad.high[k][lane] = child.high[k].iter().copied().fold(f32::NEG_INFINITY, f32::max);
+                        boxes.low[k][lane] = child.low[k].to_array().into_iter().fold(f32::INFINITY, f32::min);
+                        boxes.high[k][lane] = child.high[k].to_array().into_iter().fold(f32::NEG_INFINITY, f32::max);
                     }
                 }
-                quads.push(quad);
+                quads.push(boxes.quad());
             }
             below = end;
         }
@@ -186,9 +198,11 @@ impl Bvh {
             }
             best.nodes += 1;
             let bounds = probe.bounds(&self.quads[self.level_starts[level as usize] + node as usize]);
+            let near = bounds.at_most(Lanes::splat(limit)).bits();
+            let bounds = bounds.to_array();
             if level == 0 {
                 for (lane, &bound) in bounds.iter().enumerate() {
-                    if bound > limit {
+                    if near & (1 << lane) == 0 || bound > limit {
                         continue;
                     }
                     let triangle = 4 * node + lane as u32;
@@ -203,7 +217,7 @@ impl Bvh {
             // The nearest on top: what it finds rules the others out.
             let first = depth;
             for (lane, &bound) in bounds.iter().enumerate() {
-                if bound > limit {
+                if near & (1 << lane) == 0 {
                     continue;
                 }
                 let mut at = depth;
@@ -243,18 +257,15 @@ impl Probe {
 
     /// Squared distances from the four boxes, from below; infinite for absent ones.
     #[inline(always)]
-    fn bounds(&self, quad: &Quad) -> [f32; 4] {
-        let mut sum = [0.0_f32; 4];
-        for k in 0..3 {
-            for (lane, sum) in sum.iter_mut().enumerate() {
-                let below = quad.low[k][lane] - self.at[k];
-                let above = self.at[k] - quad.high[k][lane];
-                let outside = if below > above { below } else { above } - self.margin;
-                let outside = if outside > 0.0 { outside } else { 0.0 };
-                *sum += outside * outside;
-            }
-        }
-        sum
+    fn bounds(&self, quad: &Quad) -> Lanes {
+        let (zero, margin) = (Lanes::splat(0.0), Lanes::splat(self.margin));
+        let squared = |k: usize| {
+            let at = Lanes::splat(self.at[k]);
+            let outside = (quad.low[k] - at).max(at - quad.high[k]) - margin;
+            let outside = outside.max(zero);
+            outside * outside
+        };
+        squared(0) + squared(1) + squared(2)
     }
 }
 

@@ -10,7 +10,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
 use super::quadric::Vec3;
 
 /// Number of lanes.
-pub(super) const WIDTH: usize = 4;
+pub(crate) const WIDTH: usize = 4;
 
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod register {
@@ -20,31 +20,31 @@ mod register {
     /// Four independent numbers.
     #[derive(Debug, Clone, Copy)]
     #[repr(transparent)]
-    pub(in crate::simplify) struct Lanes(simd::v128);
+    pub(crate) struct Lanes(simd::v128);
 
     /// For each lane all ones or all zeros.
     #[derive(Debug, Clone, Copy)]
-    pub(in crate::simplify) struct Mask(pub(super) simd::v128);
+    pub(crate) struct Mask(pub(super) simd::v128);
 
     impl Lanes {
         #[inline(always)]
-        pub(in crate::simplify) fn new([a, b, c, d]: [f32; WIDTH]) -> Self {
+        pub(crate) fn new([a, b, c, d]: [f32; WIDTH]) -> Self {
             Self(simd::f32x4(a, b, c, d))
         }
 
         #[inline(always)]
-        pub(in crate::simplify) fn splat(value: f32) -> Self {
+        pub(crate) fn splat(value: f32) -> Self {
             Self(simd::f32x4_splat(value))
         }
 
         #[inline(always)]
-        pub(in crate::simplify) fn lane<const K: usize>(self) -> f32 {
+        pub(crate) fn lane<const K: usize>(self) -> f32 {
             simd::f32x4_extract_lane::<K>(self.0)
         }
 
         /// The 4×4 transposition: lane `k` of all four side by side.
         #[inline(always)]
-        pub(in crate::simplify) fn transpose([a, b, c, d]: [Self; WIDTH]) -> [Self; WIDTH] {
+        pub(crate) fn transpose([a, b, c, d]: [Self; WIDTH]) -> [Self; WIDTH] {
             let low = |a: Self, b: Self| simd::i32x4_shuffle::<0, 4, 1, 5>(a.0, b.0);
             let high = |a: Self, b: Self| simd::i32x4_shuffle::<2, 6, 3, 7>(a.0, b.0);
             let (ab, cd, ab_high, cd_high) = (low(a, b), low(c, d), high(a, b), high(c, d));
@@ -58,23 +58,23 @@ mod register {
 
         /// Lanes 1 to 3, then lane 0 of `next`.
         #[inline(always)]
-        pub(in crate::simplify) fn followed_by(self, next: Self) -> Self {
+        pub(crate) fn followed_by(self, next: Self) -> Self {
             Self(simd::i32x4_shuffle::<1, 2, 3, 4>(self.0, next.0))
         }
 
         #[inline(always)]
-        pub(in crate::simplify) fn sqrt(self) -> Self {
+        pub(crate) fn sqrt(self) -> Self {
             Self(simd::f32x4_sqrt(self.0))
         }
 
         /// Where `self` ≤ `o`; not where either is NaN.
         #[inline(always)]
-        pub(in crate::simplify) fn at_most(self, o: Self) -> Mask {
+        pub(crate) fn at_most(self, o: Self) -> Mask {
             Mask(simd::f32x4_le(self.0, o.0))
         }
 
         #[inline(always)]
-        pub(in crate::simplify) fn select(mask: Mask, then: Self, other: Self) -> Self {
+        pub(crate) fn select(mask: Mask, then: Self, other: Self) -> Self {
             Self(simd::v128_bitselect(then.0, other.0, mask.0))
         }
 
@@ -101,7 +101,7 @@ mod register {
 
     /// Bit `k` says whether slot `k` is `value`.
     #[inline(always)]
-    pub(in crate::simplify) fn equal_bits(slots: &[u32; 2 * WIDTH], value: u32) -> u32 {
+    pub(crate) fn equal_bits(slots: &[u32; 2 * WIDTH], value: u32) -> u32 {
         let [low, high] = in_registers(slots);
         let value = simd::u32x4_splat(value);
         let low = simd::i32x4_bitmask(simd::i32x4_eq(low, value));
@@ -111,7 +111,7 @@ mod register {
 
     /// Every `old` is `new` from now on.
     #[inline(always)]
-    pub(in crate::simplify) fn replace(slots: &mut [u32; 2 * WIDTH], old: u32, new: u32) {
+    pub(crate) fn replace(slots: &mut [u32; 2 * WIDTH], old: u32, new: u32) {
         let (old, new) = (simd::u32x4_splat(old), simd::u32x4_splat(new));
         let [low, high] = in_registers(slots).map(|four| simd::v128_bitselect(new, four, simd::i32x4_eq(four, old)));
         let pairs = [
@@ -134,8 +134,14 @@ mod register {
 
     impl Mask {
         #[inline(always)]
-        pub(in crate::simplify) fn all(self) -> bool {
+        pub(crate) fn all(self) -> bool {
             simd::i32x4_all_true(self.0)
+        }
+
+        /// Bit `k` says what lane `k` does.
+        #[inline(always)]
+        pub(crate) fn bits(self) -> u32 {
+            u32::from(simd::i32x4_bitmask(self.0))
         }
 
         #[inline(always)]
@@ -162,57 +168,57 @@ mod register {
     /// Four independent numbers.
     #[derive(Debug, Clone, Copy)]
     #[repr(align(16))]
-    pub(in crate::simplify) struct Lanes([f32; WIDTH]);
+    pub(crate) struct Lanes([f32; WIDTH]);
 
     /// For each lane all ones or all zeros.
     #[derive(Debug, Clone, Copy)]
-    pub(in crate::simplify) struct Mask([u32; WIDTH]);
+    pub(crate) struct Mask([u32; WIDTH]);
 
     impl Lanes {
         #[inline(always)]
-        pub(in crate::simplify) fn new(lanes: [f32; WIDTH]) -> Self {
+        pub(crate) fn new(lanes: [f32; WIDTH]) -> Self {
             Self(lanes)
         }
 
         #[inline(always)]
-        pub(in crate::simplify) fn splat(value: f32) -> Self {
+        pub(crate) fn splat(value: f32) -> Self {
             Self([value; WIDTH])
         }
 
         #[inline(always)]
-        pub(in crate::simplify) fn lane<const K: usize>(self) -> f32 {
+        pub(crate) fn lane<const K: usize>(self) -> f32 {
             self.0[K]
         }
 
         /// The 4×4 transposition: lane `k` of all four side by side.
         #[inline(always)]
-        pub(in crate::simplify) fn transpose([a, b, c, d]: [Self; WIDTH]) -> [Self; WIDTH] {
+        pub(crate) fn transpose([a, b, c, d]: [Self; WIDTH]) -> [Self; WIDTH] {
             let column = |k: usize| Self([a.0[k], b.0[k], c.0[k], d.0[k]]);
             [column(0), column(1), column(2), column(3)]
         }
 
         /// Lanes 1 to 3, then lane 0 of `next`.
         #[inline(always)]
-        pub(in crate::simplify) fn followed_by(self, next: Self) -> Self {
+        pub(crate) fn followed_by(self, next: Self) -> Self {
             Self([self.0[1], self.0[2], self.0[3], next.0[0]])
         }
 
         #[inline(always)]
-        pub(in crate::simplify) fn sqrt(self) -> Self {
+        pub(crate) fn sqrt(self) -> Self {
             let a = self.0;
             Self([a[0].sqrt(), a[1].sqrt(), a[2].sqrt(), a[3].sqrt()])
         }
 
         /// Where `self` ≤ `o`; not where either is NaN.
         #[inline(always)]
-        pub(in crate::simplify) fn at_most(self, o: Self) -> Mask {
+        pub(crate) fn at_most(self, o: Self) -> Mask {
             let mask = |k: usize| u32::from(self.0[k] <= o.0[k]).wrapping_neg();
             Mask([mask(0), mask(1), mask(2), mask(3)])
         }
 
         /// By bit masks, which the compiler keeps in one register; branches it would take apart.
         #[inline(always)]
-        pub(in crate::simplify) fn select(mask: Mask, then: Self, other: Self) -> Self {
+        pub(crate) fn select(mask: Mask, then: Self, other: Self) -> Self {
             let pick =
                 |k: usize| f32::from_bits((then.0[k].to_bits() & mask.0[k]) | (other.0[k].to_bits() & !mask.0[k]));
             Self([pick(0), pick(1), pick(2), pick(3)])
@@ -245,7 +251,7 @@ mod register {
 
     /// Bit `k` says whether slot `k` is `value`.
     #[inline(always)]
-    pub(in crate::simplify) fn equal_bits(slots: &[u32; 2 * WIDTH], value: u32) -> u32 {
+    pub(crate) fn equal_bits(slots: &[u32; 2 * WIDTH], value: u32) -> u32 {
         let mut bits = 0;
         for (k, &slot) in slots.iter().enumerate() {
             bits |= u32::from(slot == value) << k;
@@ -255,7 +261,7 @@ mod register {
 
     /// Every `old` is `new` from now on.
     #[inline(always)]
-    pub(in crate::simplify) fn replace(slots: &mut [u32; 2 * WIDTH], old: u32, new: u32) {
+    pub(crate) fn replace(slots: &mut [u32; 2 * WIDTH], old: u32, new: u32) {
         for slot in slots {
             *slot = if *slot == old { new } else { *slot };
         }
@@ -263,8 +269,15 @@ mod register {
 
     impl Mask {
         #[inline(always)]
-        pub(in crate::simplify) fn all(self) -> bool {
+        pub(crate) fn all(self) -> bool {
             self.0[0] & self.0[1] & self.0[2] & self.0[3] != 0
+        }
+
+        /// Bit `k` says what lane `k` does.
+        #[inline(always)]
+        pub(crate) fn bits(self) -> u32 {
+            let [a, b, c, d] = self.0;
+            (a & 1) | (b & 2) | (c & 4) | (d & 8)
         }
 
         #[inline(always)]
@@ -286,24 +299,24 @@ mod register {
     }
 }
 
-pub(super) use register::{Lanes, Mask, equal_bits, replace};
+pub(crate) use register::{Lanes, Mask, equal_bits, replace};
 
 impl Lanes {
-    pub(super) const INDEX: [f32; WIDTH] = [0.0, 1.0, 2.0, 3.0];
+    pub(crate) const INDEX: [f32; WIDTH] = [0.0, 1.0, 2.0, 3.0];
 
     #[inline(always)]
-    pub(super) fn to_array(self) -> [f32; WIDTH] {
+    pub(crate) fn to_array(self) -> [f32; WIDTH] {
         [self.lane::<0>(), self.lane::<1>(), self.lane::<2>(), self.lane::<3>()]
     }
 
     #[inline(always)]
-    pub(super) fn max(self, o: Self) -> Self {
+    pub(crate) fn max(self, o: Self) -> Self {
         Self::select(o.at_most(self), self, o)
     }
 
     /// 0 outside the mask.
     #[inline(always)]
-    pub(super) fn masked(self, mask: Mask) -> Self {
+    pub(crate) fn masked(self, mask: Mask) -> Self {
         Self::select(mask, self, Self::splat(0.0))
     }
 }
