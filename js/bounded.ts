@@ -54,7 +54,7 @@ export interface Attempt {
 }
 
 /** Runs beyond these find little. */
-const MOST_ATTEMPTS = 12;
+const MOST_ATTEMPTS = 20;
 
 /** From a level that is within the limit to the next that is tried. */
 const COARSER = 0.9;

@@ -219,7 +219,7 @@ export interface DocumentSimplifyOptions extends SimplifyOptions {
    * the bounding box's diagonal. Records every level, and selects the coarsest level found whose maximum, measured both ways
    * as {@link Document.measure} does, is below it by 1 %, for what another look may find.
    * Collapses that would lead beyond it are refused, and others go on, unless there is a `timeBudget` or a `weightAttribute`:
-   * then the level is one of the record. Takes about a dozen runs and measurements. Beside other targets, the first that is
+   * then the level is one of the record. Takes up to twenty runs and measurements. Beside other targets, the first that is
    * reached counts. Default: nothing is measured.
    */
   readonly maximumDeviation?: number | `${number}%` | undefined;
