@@ -176,7 +176,7 @@ fn read_vertices(
                     return Err(fail(cursor, Trouble::Text(crate::document::scan::Fault::NotFinite)));
                 }
                 let text = "values of normals, colours or texture coordinates that are no finite numbers, read as 0";
-                faces.notices.count("not-finite-attribute", text, &|| cursor.place(name));
+                faces.notices.count(("not-finite-attribute", text), &|| cursor.place(name));
                 value = 0.0;
             }
             values[channel] = value;
@@ -212,7 +212,7 @@ fn read_vertices(
 }
 
 fn note_extra(faces: &mut Faces, cursor: &Cursor<'_>, name: &str) {
-    faces.notices.count("extra-numbers-ignored", "lines with more numbers than they take", &|| cursor.place(name));
+    faces.notices.count(("extra-numbers-ignored", "lines with more numbers than they take"), &|| cursor.place(name));
 }
 
 /// What each property of a face is for, by the property's number.
@@ -301,7 +301,7 @@ fn read_faces(
             let has_texcoords = texcoords.len() == 2 * indices.len();
             if !has_texcoords && !texcoords.is_empty() {
                 let text = "faces whose texture coordinates are not two for each corner; they are left out";
-                faces.notices.count("mixed-corners", text, &place);
+                faces.notices.count(("mixed-corners", text), &place);
             }
             corners.clear();
             for (k, &index) in indices.iter().enumerate() {
