@@ -159,6 +159,10 @@ export const usualFor = (source: Source): Pick<Choices, 'outputFormat' | 'encodi
 export const choicesOf = ({ goal, run, lods, outputFormat, encoding, quality, preparation }: State): Choices =>
   ({ goal, run, lods, outputFormat, encoding, quality, preparation });
 
+/** All that is wanted of the model on screen, as values that stay the same until something else is wanted. */
+export const everyWish = (state: State): readonly unknown[] =>
+  [state.model?.wantedTriangles, state.model?.origin, ...Object.values(choicesOf(state))];
+
 /** Back to the start page, or to `batch`. */
 export const modelClosed = (state: State, batch: BatchState | null): State => ({
   ...state,
