@@ -301,8 +301,12 @@ impl Members {
         Self(Some(out))
     }
 
+    fn list(&self) -> &[(Box<str>, Value)] {
+        self.0.as_ref().map_or(&[], |list| &list.members)
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
-        self.iter().next().is_none()
+        self.list().is_empty()
     }
 
     pub(crate) fn get(&self, key: &str) -> Option<&Value> {
@@ -326,13 +330,13 @@ impl Members {
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, &Value)> {
-        self.0.iter().flat_map(|list| &list.members).map(|(key, value)| (&**key, value))
+        self.list().iter().map(|(key, value)| (&**key, value))
     }
 }
 
 impl PartialEq for Members {
     fn eq(&self, other: &Self) -> bool {
-        self.iter().eq(other.iter())
+        self.list() == other.list()
     }
 }
 

@@ -58,26 +58,21 @@ impl<'a> Sparse<'a> {
     ) -> Result<Self, Error> {
         let Some(sparse_count) = usize::try_from(sparse.count).ok().filter(|n| (1..=count).contains(n)) else {
             let message = format!("{} is not between 1 and the accessor's count {count}", sparse.count);
-            return fail(ErrorCode::OutOfRange, index, "sparse.count", message);
+            return Err(fault(ErrorCode::OutOfRange, index, "sparse.count", message));
         };
-        let open =
-            |(view, offset), size, field, what| match tail(view_bytes(data, view)?.0, offset, sparse_count, size, size)
-            {
-                Some(bytes) => Ok(bytes),
-                None => fail(
-                    ErrorCode::OutOfRange,
-                    index,
-                    field,
-                    format!("{sparse_count} {what} reach past their buffer view"),
-                ),
-            };
+        let open = |(view, offset), size, field, what| {
+            tail(view_bytes(data, view)?.0, offset, sparse_count, size, size).ok_or_else(|| {
+                let message = format!("{sparse_count} {what} reach past their buffer view");
+                fault(ErrorCode::OutOfRange, index, field, message)
+            })
+        };
         let kind = Layout { component: sparse.index_component, shape: Shape::Scalar, normalized: false };
         let size = kind.byte_size();
         let indices = open(sparse.indices, size, "sparse.indices", "indices")?;
         let at: Vec<u32> = (0..sparse_count).map(|i| read_index(kind.component, &indices[i * size..])).collect();
         if let Some(i) = (0..sparse_count).find(|&i| at[i] as usize >= count || (i > 0 && at[i] <= at[i - 1])) {
             let message = format!("index {i} is {}: they must ascend and stay below the count {count}", at[i]);
-            return fail(ErrorCode::OutOfRange, index, "sparse.indices", message);
+            return Err(fault(ErrorCode::OutOfRange, index, "sparse.indices", message));
         }
         let values = open(sparse.values, layout.byte_size(), "sparse.values", "values")?;
         Ok(Self { at, values })
@@ -92,24 +87,29 @@ impl<'a> Elements<'a> {
     /// values that make no sense; `unsupported` for compressed data without a fallback.
     pub(super) fn open(data: Data<'a>, index: usize) -> Result<Self, Error> {
         let Some(accessor) = data.root.accessors.get(index) else {
-            return fail(
+            return Err(fault(
                 ErrorCode::OutOfRange,
                 index,
                 "",
                 format!("there are {} accessors", data.root.accessors.len()),
-            );
+            ));
         };
         let layout = accessor.layout;
         let Some(count) = usize::try_from(accessor.count).ok().filter(|&count| count < u32::MAX as usize) else {
-            return fail(ErrorCode::TooLarge, index, "count", format!("{} elements are too many", accessor.count));
+            return Err(fault(
+                ErrorCode::TooLarge,
+                index,
+                "count",
+                format!("{} elements are too many", accessor.count),
+            ));
         };
         if count == 0 {
-            return fail(ErrorCode::Syntax, index, "count", "an accessor has at least one element".into());
+            return Err(fault(ErrorCode::Syntax, index, "count", "an accessor has at least one element".into()));
         }
         let most_zeros = MOST_ZEROS.saturating_add(data.byte_count());
         if accessor.view.is_none() && count > most_zeros {
             let message = format!("{count} elements of zeros without a buffer view; at most {most_zeros} are read");
-            return fail(ErrorCode::TooLarge, index, "count", message);
+            return Err(fault(ErrorCode::TooLarge, index, "count", message));
         }
         let base = accessor.view.map(|view| base(data, index, view, accessor, count)).transpose()?;
         let sparse =
@@ -218,15 +218,16 @@ fn base<'a>(
         let length = content.len();
         let message =
             format!("{count} elements from byte {offset} on reach past the {length} bytes of bufferViews[{view}]");
-        return fail(ErrorCode::OutOfRange, index, "", message);
+        return Err(fault(ErrorCode::OutOfRange, index, "", message));
     };
     Ok((bytes, stride))
 }
 
 /// The error of a field of accessor `index`; of the accessor itself without a `field`.
-fn fail<T>(code: ErrorCode, index: usize, field: &str, message: String) -> Result<T, Error> {
+#[inline(never)]
+fn fault(code: ErrorCode, index: usize, field: &str, message: String) -> Error {
     let dot = if field.is_empty() { "" } else { "." };
-    Err(Error::new(code, format!("accessors[{index}]{dot}{field}"), message))
+    Error::new(code, format!("accessors[{index}]{dot}{field}"), message)
 }
 
 /// `bytes` from `offset` on, if `count` elements of `size` bytes, `stride` apart, fit there.

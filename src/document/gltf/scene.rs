@@ -105,10 +105,10 @@ impl WorldMatrices {
         for node in &root.nodes {
             node.children.iter().for_each(|&child| _ = parents[child].get_or_insert(node.index as u32));
         }
-        let placed = root.nodes.iter().filter(|node| node.mesh.is_some() && node.skin.is_none()).map(|node| node.index);
-        let mut nodes: Vec<usize> = placed.chain(root.skins.iter().filter_map(|skin| skin.first_joint)).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
+        let mut places = vec![false; count];
+        root.nodes.iter().for_each(|node| places[node.index] = node.mesh.is_some() && node.skin.is_none());
+        root.skins.iter().filter_map(|skin| skin.first_joint).for_each(|joint| places[joint] = true);
+        let nodes: Vec<usize> = (0..count).filter(|&node| places[node]).collect();
         // What leads to one of them and was not come by yet.
         let mut leads = vec![false; count];
         let mut next = Vec::new();

@@ -141,11 +141,11 @@ fn triangulate_faces(
             })?;
             let Polygon { rows, points } = &polygon;
             if points.len() < 3 || (points.len() == 3 && coincide(points, [0, 1, 2])) {
-                file.notices.count(DEGENERATE_FACE, &place);
+                file.notices.count(&DEGENERATE_FACE, &place);
                 continue;
             }
             for _ in points.len()..run.corners_per_face {
-                file.notices.count(DEGENERATE_TRIANGLE, &place);
+                file.notices.count(&DEGENERATE_TRIANGLE, &place);
             }
             let table = &mut set.table;
             let mut wedge = |row: [u32; 3]| if is_positions_only { row[0] } else { table.number(row) };
@@ -155,11 +155,11 @@ fn triangulate_faces(
             }
             let (pieces, is_regular) = triangulator.triangulate(points);
             if !is_regular {
-                file.notices.count(UNTRIANGULATED_FACE, &place);
+                file.notices.count(&UNTRIANGULATED_FACE, &place);
             }
             for &piece in pieces {
                 if coincide(points, piece) {
-                    file.notices.count(DEGENERATE_TRIANGLE, &place);
+                    file.notices.count(&DEGENERATE_TRIANGLE, &place);
                 } else {
                     triangles.push(piece.map(|corner| wedge(rows[corner])));
                 }

@@ -165,7 +165,7 @@ impl<'a> Parser<'a> {
 
     /// Notes one more of a kind, in a line.
     #[cold]
-    fn note(&mut self, kind: Kind, line: usize) {
+    fn note(&mut self, kind: &'static Kind, line: usize) {
         self.out.notices.count(kind, &|| format!("{}:{line}", self.name));
     }
 
@@ -216,9 +216,9 @@ impl<'a> Parser<'a> {
             self.out.colors.push(rest);
         } else {
             if count == 2 {
-                self.note(notice::EXTRA_NUMBERS, line);
+                self.note(&notice::EXTRA_NUMBERS, line);
             } else if rest[0].to_bits() != 1.0_f32.to_bits() {
-                self.note(notice::VERTEX_WEIGHT, line);
+                self.note(&notice::VERTEX_WEIGHT, line);
             }
             if !self.out.colors.is_empty() {
                 self.out.colors.push([1.0; 4]);
@@ -236,7 +236,7 @@ impl<'a> Parser<'a> {
         self.optional_numbers(&mut rest).map_err(fail)?;
         if rest[1] != 0.0 {
             let line = self.scan.line();
-            self.note(notice::TEXTURE_DEPTH, line);
+            self.note(&notice::TEXTURE_DEPTH, line);
         }
         self.out.texcoords.push([u, rest[0]]);
         Ok(())
@@ -266,7 +266,7 @@ impl<'a> Parser<'a> {
         self.scan.skip_blanks();
         if !self.scan.is_at_line_end() {
             let line = self.scan.line();
-            self.note(notice::EXTRA_NUMBERS, line);
+            self.note(&notice::EXTRA_NUMBERS, line);
         }
         Ok(values.len())
     }
@@ -280,11 +280,11 @@ impl<'a> Parser<'a> {
             if self.scan.is_at_end() {
                 return Err((Fault::Missing, "f"));
             }
-            self.note(SMALL_FACE, line);
+            self.note(&SMALL_FACE, line);
             return Ok(());
         }
         if all != any {
-            self.note(notice::MIXED_CORNERS, line);
+            self.note(&notice::MIXED_CORNERS, line);
         }
         let group = match self.current_groups[usize::from(all)] {
             Some(group) => group,
@@ -318,7 +318,7 @@ impl<'a> Parser<'a> {
                 Ok(index)
             }
             Ok(_) | Err(Fault::OutOfRange) => {
-                out.notices.count(notice::DANGLING_INDEX, &|| format!("{}:{}", self.name, scan.line()));
+                out.notices.count(&notice::DANGLING_INDEX, &|| format!("{}:{}", self.name, scan.line()));
                 Ok(ABSENT)
             }
             Err(fault) => Err(fault),
@@ -364,7 +364,7 @@ impl<'a> Parser<'a> {
             // Where there are normals, they say more than smoothing groups.
             if signature & HAS_NORMAL == 0 {
                 let line = self.scan.line();
-                self.note(notice::SMOOTHING_GROUPS, line);
+                self.note(&notice::SMOOTHING_GROUPS, line);
             }
         }
         self.current_groups[usize::from(signature)] = Some(number);
@@ -378,7 +378,7 @@ impl<'a> Parser<'a> {
         let bytes = self.scan.rest_of_line();
         let name = String::from_utf8_lossy(&bytes);
         if matches!(name, std::borrow::Cow::Owned(_)) {
-            self.note(notice::NAME_NOT_UTF8, line);
+            self.note(&notice::NAME_NOT_UTF8, line);
         }
         // Control characters are no part of a name; the writer could not keep them.
         let name = name.replace(|c: char| c.is_ascii_control(), " ");
