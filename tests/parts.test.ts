@@ -3,6 +3,7 @@ import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { COMPRESSIONS, init, openDocument, type DocumentInput, type Parts } from 'decimesh';
+import { onlyMembers } from '../dist/codecs/skim.js';
 import { glb, gltfOf } from './support/glb.ts';
 import { ONE_PIXEL, hills, objOf } from './support/meshes.ts';
 import { decimesh } from './support/program.ts';
