@@ -9,6 +9,17 @@ export interface LoadedFile {
   readonly bytes: Uint8Array;
 }
 
+/** The path that a relative URI names, without what follows it (`?…`, `#…`). */
+export function pathOfUri(uri: string): string {
+  const path = uri.split(/[?#]/)[0] ?? '';
+  try {
+    return decodeURIComponent(path);
+  } catch {
+    // A stray % is a %: such names are not rare.
+    return path;
+  }
+}
+
 /** The files of `input`, without reading any; a single buffer has an empty name. */
 export function listFiles(input: DocumentInput): Array<File | LoadedFile> {
   const list: readonly unknown[] = Array.isArray(input) ? input : [input];

@@ -1,7 +1,7 @@
 // A simplifier for glTF-Transform's `simplify()`, in the place of meshoptimizer's and with its calls.
 
 import { init } from './engine.js';
-import { DecimeshError, invalidArgument } from './errors.js';
+import { invalidArgument } from './errors.js';
 import { simplify } from './simplify.js';
 
 /** Flags that mean something here, and those that ask for what is done anyway or has no counterpart. */
@@ -48,8 +48,10 @@ export interface Simplifier {
     flags?: readonly SimplifierFlag[],
   ): [Uint32Array, number];
   /**
-   * As {@link simplify}. The error is geometric: attributes and their weights are checked and do not count. Throws
-   * `unsupported` if `vertexLock` locks a vertex.
+   * As {@link simplify}. The error is geometric: attributes and their weights are checked and do not count.
+   *
+   * @param vertexLock a number for each vertex; where it is odd, the vertex stays. meshoptimizer's 2 protects seams, which
+   * never tear here.
    */
   simplifyWithAttributes(
     indices: Uint32Array,
@@ -85,39 +87,17 @@ export const DecimeshSimplifier: Simplifier = {
   },
 
   simplify(indices, positions, stride, targetIndexCount, targetError, flags = []) {
-    for (const flag of flags) {
-      if (![...FLAGS, ...IGNORED_FLAGS].includes(flag)) throw invalidArgument('flags', `'${String(flag)}' is unknown`);
-    }
-    if (!(indices instanceof Uint32Array)) throw invalidArgument('indices', 'must be a Uint32Array');
-    if (!(targetIndexCount >= 0)) throw invalidArgument('targetIndexCount', 'must be a number of at least 0');
-    if (!(targetError >= 0)) throw invalidArgument('targetError', 'must be a number of at least 0');
-    const packed = packedPositions(positions, stride);
-    const scale = flags.includes('ErrorAbsolute') ? 1 : extent(packed, 3, flags.includes('Sparse') ? indices : undefined);
-    // Vertices at one place differ in attributes that are not known here: a number of its own says so for each.
-    const vertex = Uint32Array.from({ length: packed.length / 3 }, (_, index) => index % EXACT);
-    const error = targetError * scale;
-    const result = simplify(
-      { positions: packed, indices, attributes: { vertex } },
-      {
-        triangles: Math.floor(Math.min(targetIndexCount, indices.length) / 3),
-        ...(Number.isFinite(error) ? { error } : {}),
-        placement: 'subset',
-        lockBorder: flags.includes('LockBorder'),
-        prune: flags.includes('Prune'),
-      },
-    );
-    const left = result.indices.map((index) => result.vertexMap[index] as number);
-    return [left, scale > 0 ? result.estimatedError / scale : 0];
+    return subset(indices, positions, stride, null, targetIndexCount, targetError, flags);
   },
 
-  simplifyWithAttributes(indices, positions, stride, attributes, attributeStride, weights, vertexLock, ...targets) {
+  simplifyWithAttributes(indices, positions, stride, attributes, attributeStride, weights, vertexLock, targetIndexCount, targetError, flags = []) {
     if (!(attributes instanceof Float32Array) || !(attributeStride >= weights.length)) {
       throw invalidArgument('attributes', 'must have a stride of at least one number for each weight');
     }
-    if (vertexLock?.some((lock) => lock !== 0)) {
-      throw new DecimeshError('unsupported', 'vertices cannot be locked one by one yet', 'vertexLock');
+    if ((vertexLock ?? null) !== null && !(vertexLock instanceof Uint8Array && vertexLock.length === Math.floor(positions.length / stride))) {
+      throw invalidArgument('vertexLock', 'must be a Uint8Array of one number for each vertex, or null');
     }
-    return DecimeshSimplifier.simplify(indices, positions, stride, ...targets);
+    return subset(indices, positions, stride, vertexLock ?? null, targetIndexCount, targetError, flags);
   },
 
   getScale(positions, stride) {
@@ -139,6 +119,42 @@ export const DecimeshSimplifier: Simplifier = {
     return Uint32Array.from({ length: Math.floor(positions.length / stride) }, (_, index) => index);
   },
 };
+
+/** Fewer of the triangles over the same vertices, of which those stay whose lock is odd. */
+function subset(
+  indices: Uint32Array,
+  positions: Float32Array,
+  stride: number,
+  vertexLock: Uint8Array | null,
+  targetIndexCount: number,
+  targetError: number,
+  flags: readonly SimplifierFlag[],
+): [Uint32Array, number] {
+  for (const flag of flags) {
+    if (![...FLAGS, ...IGNORED_FLAGS].includes(flag)) throw invalidArgument('flags', `'${String(flag)}' is unknown`);
+  }
+  if (!(indices instanceof Uint32Array)) throw invalidArgument('indices', 'must be a Uint32Array');
+  if (!(targetIndexCount >= 0)) throw invalidArgument('targetIndexCount', 'must be a number of at least 0');
+  if (!(targetError >= 0)) throw invalidArgument('targetError', 'must be a number of at least 0');
+  const packed = packedPositions(positions, stride);
+  const scale = flags.includes('ErrorAbsolute') ? 1 : extent(packed, 3, flags.includes('Sparse') ? indices : undefined);
+  // Vertices at one place differ in attributes that are not known here: a number of its own says so for each.
+  const vertex = Uint32Array.from({ length: packed.length / 3 }, (_, index) => index % EXACT);
+  const error = targetError * scale;
+  const result = simplify(
+    { positions: packed, indices, attributes: { vertex } },
+    {
+      triangles: Math.floor(Math.min(targetIndexCount, indices.length) / 3),
+      ...(Number.isFinite(error) ? { error } : {}),
+      placement: 'subset',
+      lockBorder: flags.includes('LockBorder'),
+      prune: flags.includes('Prune'),
+      ...(vertexLock === null ? {} : { locked: vertexLock.map((lock) => lock & 1) }),
+    },
+  );
+  const left = result.indices.map((index) => result.vertexMap[index] as number);
+  return [left, scale > 0 ? result.estimatedError / scale : 0];
+}
 
 /** Whole numbers below this are told apart in single precision. */
 const EXACT = 2 ** 24;

@@ -2,6 +2,7 @@
 
 import { splitContainer, textOf } from './codecs/container.js';
 import { findFile } from './codecs/resources.js';
+import { onlyMembers } from './codecs/skim.js';
 import { DRACO_EXTENSION, MESHOPT_EXTENSIONS, extensionOf, objectOr, objects, uint, type Tree } from './codecs/tree.js';
 import type { LoadedFile } from './files.js';
 import type { Format } from './types.js';
@@ -16,6 +17,11 @@ export interface Parts {
   /** Names, materials, the structure of the file; in formats of text, what is no geometry is here too. */
   readonly other: number;
 }
+
+const INSTANCING = 'EXT_mesh_gpu_instancing';
+
+/** The members of a glTF that say what its bytes are for; with {@link INSTANCING} the nodes do too. */
+const MEMBERS: ReadonlySet<string> = new Set(['accessors', 'animations', 'buffers', 'bufferViews', 'images', 'meshes', 'skins']);
 
 type Part = Exclude<keyof Parts, 'other'>;
 
@@ -62,7 +68,8 @@ export function partsOf({ format, files, main, json }: PartsSource): Parts {
 
 function parse(json: Uint8Array): Tree | undefined {
   try {
-    return objectOr(JSON.parse(textOf({ isBinary: false, json, binary: undefined }) ?? ''));
+    const text = textOf({ isBinary: false, json, binary: undefined }) ?? '';
+    return objectOr(JSON.parse(onlyMembers(text, text.includes(INSTANCING) ? new Set([...MEMBERS, 'nodes']) : MEMBERS)));
   } catch {
     return undefined;
   }
@@ -121,7 +128,7 @@ function partsOfViews(tree: Tree): Map<number, Part> {
     }
   }
   for (const node of objects(tree, 'nodes')) {
-    const instances = objectOr(extensionOf(node, 'EXT_mesh_gpu_instancing')?.['attributes']);
+    const instances = objectOr(extensionOf(node, INSTANCING)?.['attributes']);
     for (const index of Object.values(instances)) accessor(index, 'geometry');
   }
   for (const animation of objects(tree, 'animations')) {

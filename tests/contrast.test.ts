@@ -5,14 +5,16 @@ import { describe, expect, it } from 'vitest';
 import { at } from '../scripts/project.mjs';
 
 const css = readFileSync(at('www', 'styles', 'tokens.css'), 'utf8');
-const block = (from: string): string => css.slice(css.indexOf('{', css.indexOf(from)), css.indexOf('}', css.indexOf(from)));
-const dark = block(":root[data-theme='dark']");
-const THEMES = { light: block(':root {'), dark };
+const themed = (which: 1 | 2): string => css.replace(/light-dark\((#\w+|rgb\([^)]*\)), (#\w+|rgb\([^)]*\))\)/g, `$${which}`);
+const THEMES = { light: themed(1), dark: themed(2) };
 
-it('the dark theme is the same by the wish of the system and by the button', () => {
-  const lines = (text: string): string[] => text.split('\n').map((line) => line.trim());
-  expect(lines(block(":root:not([data-theme='light'])"))).toEqual(lines(dark));
-  expect(dark).toContain('--ink: ');
+it('the browser paints its own bars in the colour of the paper', () => {
+  const paper = (theme: string): string => /--paper: (#\w+);/.exec(theme)?.[1] ?? 'none';
+  const page = readFileSync(at('www', 'index.html'), 'utf8');
+  expect(page).toContain(`media="(prefers-color-scheme: light)" content="${paper(THEMES.light)}"`);
+  expect(page).toContain(`media="(prefers-color-scheme: dark)" content="${paper(THEMES.dark)}"`);
+  const manifest = JSON.parse(readFileSync(at('www', 'public', 'manifest.webmanifest'), 'utf8')) as Record<string, unknown>;
+  expect(manifest).toMatchObject({ background_color: paper(THEMES.light), theme_color: paper(THEMES.light) });
 });
 
 type Color = readonly [number, number, number];

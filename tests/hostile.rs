@@ -138,3 +138,44 @@ fn nasty_assets_do_no_harm() {
     }
     check(&folder, 10);
 }
+
+/// A triangle as glTF, with these nodes, of which a scene has the first, and these extras.
+fn gltf(nodes: &str, extras: &str) -> String {
+    let accessor = r#"{"bufferView":0,"componentType":5121,"count":3,"type":"VEC3"}"#;
+    let data = "data:application/octet-stream;base64,AAAAAQAAAAEA";
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":9,"uri":"{data}"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":9}}],"accessors":[{accessor}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],"scenes":[{{"nodes":[0]}}],
+        "nodes":[{nodes}],"extras":[{extras}]}}"#
+    )
+}
+
+/// One and a half megabytes of JSON whose parts have a few bytes each. What is kept for a part has to be small too.
+#[test]
+fn parts_of_a_few_bytes_take_little_memory() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("hostile-parts");
+    fs::create_dir_all(&folder).unwrap();
+    let repeated = |part: &dyn Fn(usize) -> String, size: usize| -> String {
+        let count = (3 << 19) / size;
+        (0..count).map(|i| part(i) + ",").collect()
+    };
+    let mesh = r#"{"mesh":0}"#;
+    let files = [
+        ("empty-nodes", gltf(&(repeated(&|_| "{}".into(), 3) + mesh), "")),
+        ("scaled-nodes", gltf(&(repeated(&|_| r#"{"scale":[1,1,1]}"#.into(), 18) + mesh), "")),
+        ("chain-of-nodes", gltf(&(repeated(&|i| format!(r#"{{"children":[{}]}}"#, i + 1), 22) + mesh), "")),
+        // Each stands twice under its parent, and is visited once all the same.
+        ("doubled-nodes", gltf(&(repeated(&|i| format!(r#"{{"children":[{0},{0}]}}"#, i + 1), 28) + mesh), "")),
+        // The way down comes first, so that every ancestor has another child to go to.
+        (
+            "comb-of-nodes",
+            gltf(&(repeated(&|i| format!(r#"{{"children":[{},{}]}},{mesh}"#, 2 * i + 2, 2 * i + 1), 37) + mesh), ""),
+        ),
+        ("empty-lists", gltf(mesh, &(repeated(&|_| "[]".into(), 3) + "0"))),
+    ];
+    for (name, text) in &files {
+        fs::write(folder.join(name).with_extension("gltf"), text).unwrap();
+    }
+    check(&folder, files.len());
+}

@@ -81,6 +81,23 @@ describe('the history of paint', () => {
     }
   });
 
+  it('forgets strokes that nothing leads to any more, and goes between the others as before', () => {
+    const history = new PaintHistory(10);
+    const stroke = (value: number) => ({ indices: Uint32Array.of(value), values: Uint8Array.of(value) });
+    const first = history.add(0, stroke(1));
+    const second = history.add(first, stroke(2));
+    const undone = history.add(second, stroke(3));
+    const third = history.add(second, stroke(4));
+    const other = history.add(0, stroke(5));
+    expect(history.at(third)).toEqual(Uint8Array.of(0, 1, 2, 0, 4, 0, 0, 0, 0, 0));
+    history.keep([0, third, other]);
+    expect(history.size).toBe(4);
+    expect(history.at(undone)).toEqual(new Uint8Array(10));
+    expect(history.at(other)).toEqual(Uint8Array.of(0, 0, 0, 0, 0, 5, 0, 0, 0, 0));
+    expect(history.at(first)).toEqual(Uint8Array.of(0, 1, 0, 0, 0, 0, 0, 0, 0, 0));
+    expect(history.add(first, stroke(6))).toBe(other + 1);
+  });
+
   it('says what was changed in the smaller form, and that nothing was', () => {
     const before = new Uint8Array(100);
     expect(changeBetween(before, before.slice())).toBeNull();

@@ -3,6 +3,7 @@ import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { beforeAll, describe, expect, it } from 'vitest';
 import { COMPRESSIONS, init, openDocument, type DocumentInput, type Parts } from 'decimesh';
+import { onlyMembers } from '../dist/codecs/skim.js';
 import { glb, gltfOf } from './support/glb.ts';
 import { ONE_PIXEL, hills, objOf } from './support/meshes.ts';
 import { decimesh } from './support/program.ts';
@@ -12,6 +13,26 @@ const sample = (name: string): Uint8Array => new Uint8Array(readFileSync(fileURL
 const sum = ({ geometry, textures, animation, other }: Parts): number => geometry + textures + animation + other;
 
 beforeAll(() => init());
+
+describe('the members of a text that are looked at', () => {
+  const wanted = new Set(['a', 'b']);
+  const left = (text: string): unknown => JSON.parse(onlyMembers(text, wanted));
+
+  it.each([
+    ['{"a":1,"x":[{"a":2},"}",{}],"b":{"x":3}}', { a: 1, x: null, b: { x: 3 } }],
+    [String.raw`{ "x" : "\\" , "a" : "x\"}," , "y":{}}`, { x: null, a: 'x"},', y: null }],
+    ['{"a":[1,[2,{"x":":"}]],"x":0}', { a: [1, [2, { x: ':' }]], x: null }],
+    ['{}', {}],
+    ['[{"x":1}]', [{ x: 1 }]],
+    ['"x:,"', 'x:,'],
+  ])('of %s', (text, expected) => {
+    expect(left(text)).toEqual(expected);
+  });
+
+  it.each(['', '{', '{"a":1', '{"a', '{"a":}', '}', '{"a\\'])('stay no JSON in %s', (text) => {
+    expect(() => left(text)).toThrow(SyntaxError);
+  });
+});
 
 async function partsOf(input: DocumentInput): Promise<Parts> {
   using document = await openDocument(input);

@@ -1,6 +1,7 @@
 // Skins that move: what counts is not the pose at rest alone.
 import { beforeAll, describe, expect, it } from 'vitest';
 import { init, openDocument } from 'decimesh';
+import type { AttributeWeights } from 'decimesh';
 import { eigen, largestEigen, solve } from '../dist/poses/matrices.js';
 import { glb, glbTree, gltfOf } from './support/glb.ts';
 import { gltfErrors } from './support/validate.ts';
@@ -62,9 +63,9 @@ function hinge(animated: boolean): Uint8Array {
 }
 
 /** Vertices of a level of 40 triangles inside of the hinge, where the weights change. */
-async function inHinge(animated: boolean): Promise<number> {
+async function inHinge(animated: boolean, attributeWeights: AttributeWeights = {}): Promise<number> {
   using document = await openDocument(hinge(animated));
-  await document.simplify({ triangles: 40 });
+  await document.simplify({ triangles: 40, attributeWeights });
   const { bytes } = await document.write();
   expect(await gltfErrors(bytes)).toEqual([]);
   // Poses are nothing that is written.
@@ -80,6 +81,12 @@ describe('poses', () => {
   it('keep the vertices of a hinge that an animation bends', async () => {
     const [still, moving] = [await inHinge(false), await inHinge(true)];
     expect(moving).toBeGreaterThan(2 * still + 4);
+  });
+
+  it('do not count where morphing weighs nothing, and count more where it weighs more', async () => {
+    expect(await inHinge(true, { morph: 0 })).toBe(await inHinge(false));
+    expect(await inHinge(true, { morph: 1 })).toBe(await inHinge(true));
+    expect(await inHinge(true, { morph: 0.01 })).toBeLessThan(await inHinge(true));
   });
 
   it('leave runs, levels and chains as they are otherwise', async () => {

@@ -1,6 +1,6 @@
 // What the user chooses about a model: how far to go, how to simplify, what to save. All of it can be undone, kept for
 // the next visit, and written into the page's address.
-import { isPreset } from 'decimesh/worker';
+import { MOST_LODS, isPreset } from 'decimesh/worker';
 import { isEncoding } from './encoding.ts';
 import type { Encoding } from './encoding.ts';
 import { isOutputFormat } from './formats.ts';
@@ -68,9 +68,6 @@ export const DEFAULT_CHOICES: Choices = {
 
 /** The chain that is offered first. */
 export const USUAL_LODS: readonly number[] = [1, 0.5, 0.25, 0.1];
-
-/** Levels in one file at most, as in the package. */
-const MOST_LODS = 32;
 
 /** The same text for the same settings. */
 export const runKey = (run: RunSettings): string => JSON.stringify([run.lockBorder, run.prune, WEIGHTS.map((name) => run.weights[name]), run.kept, run.paint]);
@@ -165,7 +162,9 @@ export function rememberChoices({ quality, run, preparation }: Choices): void {
   try {
     const query = new URLSearchParams();
     writeWish(query, { ...DEFAULT_CHOICES, quality, preparation, run: { ...run, kept: [] } }, null);
-    localStorage.setItem(KEY, query.toString());
+    const text = query.toString();
+    // It is called at every move of the slider, and writing takes longer than reading.
+    if (localStorage.getItem(KEY) !== text) localStorage.setItem(KEY, text);
   } catch {
     // Storage may be forbidden; then every visit starts anew.
   }

@@ -136,9 +136,11 @@ effect(() => {
     observeDock(host);
   });
 });
-watch((now) => JSON.stringify([now.model?.wantedTriangles, transitions.choicesOf(now)]), () => session.wishChanged());
-watch((now) => JSON.stringify([now.quality, now.run, now.preparation]), () => rememberChoices(transitions.choicesOf(state.peek())));
-watch((now) => JSON.stringify([now.model?.wantedTriangles, now.model?.origin, transitions.choicesOf(now)]), keepAddressLater);
+watch(transitions.everyWish, () => {
+  session.wishChanged();
+  rememberChoices(transitions.choicesOf(state.peek()));
+  keepAddressLater();
+});
 watch((now) => `${now.sheet} ${now.paint !== null}`, () => requestAnimationFrame(() => view.setInsets(insetsOf(host))));
 // Another model has taken the place of the one that was arriving.
 watch((now) => now.arrival === null, (gone) => gone && arrival?.stop());
@@ -279,15 +281,20 @@ function keepAddress(): void {
   if (next !== location.pathname + location.search + location.hash) history.replaceState(history.state, '', next);
 }
 
-/** Calls `act` with the first value of `select` and then whenever it changes. */
+/** Calls `act` with the first value of `select` and then whenever it, or something in a list, changes. */
 function watch<T>(select: (state: State) => T, act: (value: T) => void): void {
   let last: { value: T } | null = null;
   effect(() => {
     const value = select(state.value);
-    if (last !== null && Object.is(last.value, value)) return;
+    if (last !== null && isSame(last.value, value)) return;
     last = { value };
     act(value);
   });
+}
+
+function isSame(before: unknown, now: unknown): boolean {
+  if (!Array.isArray(before) || !Array.isArray(now)) return Object.is(before, now);
+  return before.length === now.length && before.every((value, index) => Object.is(value, now[index]));
 }
 
 /** Tells the view at once what of it is free, with the state as it is now drawn: an observer tells with the next frame. */

@@ -3,7 +3,7 @@
 import { readFile } from 'node:fs/promises';
 import { basename, dirname, isAbsolute, join, normalize, sep } from 'node:path';
 import { externalFiles } from '../document/open.js';
-import type { LoadedFile } from '../files.js';
+import { pathOfUri, type LoadedFile } from '../files.js';
 import type { Warning } from '../types.js';
 import { fileError, isMissing } from './file_error.js';
 
@@ -62,13 +62,7 @@ async function read(path: string): Promise<Uint8Array> {
 function pathInside(uri: string, folder = ''): string | undefined {
   // A scheme, and also a drive.
   if (/^[a-z][a-z0-9+.-]*:/i.test(uri)) return undefined;
-  let decoded = uri.split(/[?#]/)[0] ?? '';
-  try {
-    decoded = decodeURIComponent(decoded);
-  } catch {
-    // A stray % is a %: such names are not rare.
-  }
-  const relative = decoded.replaceAll('\\', '/');
+  const relative = pathOfUri(uri).replaceAll('\\', '/');
   if (isAbsolute(relative)) return undefined;
   const path = normalize(folder + relative);
   const leaves = path === '..' || path.startsWith(`..${sep}`) || isAbsolute(path) || /^[a-z]:/i.test(path);

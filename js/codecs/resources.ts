@@ -1,7 +1,7 @@
 // The bytes behind a glTF's buffers: the binary chunk, `data:` URIs, and the files given with it.
 
 import { DecimeshError } from '../errors.js';
-import type { LoadedFile } from '../files.js';
+import { pathOfUri, type LoadedFile } from '../files.js';
 import type { Container } from './container.js';
 import { objects, rangeError, syntaxError, uint, type Tree } from './tree.js';
 
@@ -90,12 +90,7 @@ function decodeDataUri(uri: string, where: string): Uint8Array {
  * drop on a page gives names without folders.
  */
 export function findFile(uri: string, files: readonly LoadedFile[], main: LoadedFile): LoadedFile | undefined {
-  let decoded = uri.split(/[?#]/)[0] ?? '';
-  try {
-    decoded = decodeURIComponent(decoded);
-  } catch {
-    // A stray % is a %.
-  }
+  const decoded = pathOfUri(uri);
   const folder = main.name.replace(/[^/\\]*$/, '');
   const others = files.filter((file) => file !== main);
   for (const wanted of [normalize(folder + decoded), normalize(decoded), normalize(uri)]) {

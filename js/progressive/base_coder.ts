@@ -7,8 +7,8 @@ import { DecimeshError } from '../errors.js';
 import { isDirection, type Description } from './description.js';
 import { FloatModel, IntegerModel } from './numbers.js';
 import { newModels, type Coder } from './range_coder.js';
-import type { SplitCoder } from './split_coder.js';
 import { NONE, type SplitMesh } from './state.js';
+import type { ValueCoder } from './value_coder.js';
 
 /** A corner of the base mesh, as the writer knows it; three in a row are a triangle. */
 export interface BaseCorner {
@@ -31,7 +31,7 @@ export interface BasePlan {
 }
 
 /** Codes the base mesh into an empty mesh. */
-export function codeBase(coder: Coder, mesh: SplitMesh, description: Description, values: SplitCoder, plan?: BasePlan): void {
+export function codeBase(coder: Coder, mesh: SplitMesh, description: Description, values: ValueCoder, plan?: BasePlan): void {
   const integers = new IntegerModel();
   const positions = new FloatModel(description.positionGrid, 3);
   const flags = newModels(4);
@@ -87,7 +87,7 @@ export function codeBase(coder: Coder, mesh: SplitMesh, description: Description
 }
 
 /** Codes the normals of the base mesh, once that is there. */
-export function codeDirections(coder: Coder, mesh: SplitMesh, values: SplitCoder): void {
+export function codeDirections(coder: Coder, mesh: SplitMesh, values: ValueCoder): void {
   for (let wedge = 0; wedge < mesh.wedgeCount; wedge += 1) values.codeValues(coder, mesh, wedge, 'directions');
 }
 

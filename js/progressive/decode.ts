@@ -208,7 +208,7 @@ export class ProgressiveDecoder {
     if (mesh === undefined || log === undefined || coder === undefined || result === undefined) throw misplaced(type);
     if (type === 'NORM' ? !this.#guessed : this.#guessed) throw misplaced(type);
     if (type === 'NORM') {
-      codeDirections(new RangeDecoder(payload), mesh, coder);
+      codeDirections(new RangeDecoder(payload), mesh, coder.values);
       this.#guessed = false;
       yield { mesh: result, levelEnds: true };
     } else if (type === 'SPLT') {
@@ -219,7 +219,7 @@ export class ProgressiveDecoder {
     } else if (type === 'REST') {
       if (this.#rest !== undefined) throw misplaced(type);
       if (log.count !== description.splits) throw new DecimeshError('syntax', 'the counts are not those of the header', 'splits');
-      this.#rest = codeRest(new RangeDecoder(payload), mesh, description, coder);
+      this.#rest = codeRest(new RangeDecoder(payload), mesh, description, coder.values);
       yield { mesh: result, levelEnds: true };
     } else {
       if (this.#rest === undefined) throw misplaced(type);
@@ -230,7 +230,7 @@ export class ProgressiveDecoder {
   #base(description: Description, payload: Uint8Array): ProgressiveMesh {
     const mesh = (this.#mesh = new SplitMesh(description));
     this.#coder = new SplitCoder(description);
-    codeBase(new RangeDecoder(payload.subarray(4)), mesh, description, this.#coder);
+    codeBase(new RangeDecoder(payload.subarray(4)), mesh, description, this.#coder.values);
     this.#guessed = hasDirections(description);
     if (this.#guessed) guessDirections(mesh, description);
     const log = (this.#log = new SplitLog(mesh));

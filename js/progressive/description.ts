@@ -1,6 +1,7 @@
 // What a progressive mesh is made of, as its header says it: counts, attributes, groups.
 
 import { DecimeshError } from '../errors.js';
+import type { GroupSummary } from '../types.js';
 import type { Grid } from './numbers.js';
 
 /** An attribute of a wedge set. */
@@ -19,14 +20,9 @@ export interface WedgeSetDescription {
 }
 
 /** Triangles that share a material. */
-export interface GroupDescription {
+export interface GroupDescription extends GroupSummary {
   /** At full detail. */
   readonly triangles: number;
-  readonly wedgeSet: number;
-  readonly mesh: number;
-  readonly primitive: number;
-  readonly object: string | null;
-  readonly material: string | null;
 }
 
 /** The header. */

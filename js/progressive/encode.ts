@@ -12,8 +12,10 @@ import { gridOf, IntegerModel } from './numbers.js';
 import { RangeEncoder } from './range_coder.js';
 import { codeRest, type RestPlan } from './rest_coder.js';
 import type { ProgressiveSource } from './source.js';
-import { SplitCoder, type PlannedTriangle, type SplitPlan } from './split_coder.js';
+import { SplitCoder } from './split_coder.js';
+import type { PlannedTriangle, SplitPlan } from './split_plan.js';
 import { NONE, SplitMesh, type WedgeSetState } from './state.js';
+import type { ValueCoder } from './value_coder.js';
 
 /** How to write. */
 export interface ProgressiveOptions {
@@ -93,10 +95,10 @@ class ProgressiveEncoder {
     const chunks: Array<{ type: ChunkType; payload: Uint8Array }> = [];
     chunks.push({ type: 'HEAD', payload: new TextEncoder().encode(JSON.stringify({ version: VERSION, ...packDescription(this.#description) })) });
     const coder = new SplitCoder(this.#description);
-    chunks.push({ type: 'BASE', payload: this.#base(coder) });
+    chunks.push({ type: 'BASE', payload: this.#base(coder.values) });
     if (hasDirections(this.#description)) {
       const directions = new RangeEncoder();
-      codeDirections(directions, this.#mesh, coder);
+      codeDirections(directions, this.#mesh, coder.values);
       chunks.push({ type: 'NORM', payload: directions.finish() });
     }
     const integers = new IntegerModel();
@@ -109,12 +111,12 @@ class ProgressiveEncoder {
       end = start;
     }
     const rest = new RangeEncoder();
-    codeRest(rest, this.#mesh, this.#description, coder, this.#restPlan());
+    codeRest(rest, this.#mesh, this.#description, coder.values, this.#restPlan());
     chunks.push({ type: 'REST', payload: rest.finish() }, { type: 'DONE', payload: new Uint8Array(0) });
     return packChunks(chunks);
   }
 
-  #base(values: SplitCoder): Uint8Array {
+  #base(values: ValueCoder): Uint8Array {
     const { isLive, lastCorners, lastVertices, collapses, groupStarts } = this.#history;
     const base = this.#baseCollapses;
     // The corners at the base level: those at the end, with what later collapses changed put back.

@@ -5,8 +5,8 @@ import { DecimeshError } from '../errors.js';
 import type { Description } from './description.js';
 import { FloatModel, IntegerModel } from './numbers.js';
 import { newModels, type Coder } from './range_coder.js';
-import type { SplitCoder } from './split_coder.js';
 import { NONE, type SplitMesh } from './state.js';
+import type { ValueCoder } from './value_coder.js';
 
 /** What the writer knows of it. */
 export interface RestPlan {
@@ -38,7 +38,7 @@ export interface Rest {
 }
 
 /** Codes the rest, and makes the mesh whole. */
-export function codeRest(coder: Coder, mesh: SplitMesh, description: Description, values: SplitCoder, plan?: RestPlan): Rest {
+export function codeRest(coder: Coder, mesh: SplitMesh, description: Description, values: ValueCoder, plan?: RestPlan): Rest {
   const flags = newModels(8);
   const integers = new IntegerModel();
   codeDuplicates(coder, mesh, values, flags, integers, plan);
@@ -50,7 +50,7 @@ export function codeRest(coder: Coder, mesh: SplitMesh, description: Description
   return { signs, ...codeOrder(coder, mesh, description, flags, integers, plan) };
 }
 
-function codeDuplicates(coder: Coder, mesh: SplitMesh, values: SplitCoder, flags: Uint16Array, integers: IntegerModel, plan: RestPlan | undefined): void {
+function codeDuplicates(coder: Coder, mesh: SplitMesh, values: ValueCoder, flags: Uint16Array, integers: IntegerModel, plan: RestPlan | undefined): void {
   if (coder.bit(flags, 0, plan?.hasDuplicates === true ? 1 : 0) === 0) return;
   for (let corner = 0; corner < 3 * mesh.triangleCount; corner += 1) {
     const base = mesh.corners[corner] as number;
@@ -73,7 +73,7 @@ function codeDuplicates(coder: Coder, mesh: SplitMesh, values: SplitCoder, flags
   }
 }
 
-function codeUnused(coder: Coder, mesh: SplitMesh, description: Description, values: SplitCoder, integers: IntegerModel, plan: RestPlan | undefined): void {
+function codeUnused(coder: Coder, mesh: SplitMesh, description: Description, values: ValueCoder, integers: IntegerModel, plan: RestPlan | undefined): void {
   const positions = new FloatModel(description.positionGrid, 3);
   const last = [0, 0, 0];
   const count = integers.unsigned(coder, 1, plan?.unused.length ?? 0);

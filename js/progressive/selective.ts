@@ -9,7 +9,7 @@ import type { ProgressiveLevel } from './decode.js';
 import type { View } from './levels.js';
 import type { Ring, SplitMesh } from './state.js';
 import { grown, NONE } from './state.js';
-import type { SplitEffect } from './split_coder.js';
+import type { SplitEffect } from './split_plan.js';
 import type { SplitLog } from './split_log.js';
 
 /** Where to refine. */

@@ -1,5 +1,7 @@
 // What a progressive mesh is written from: the original's arrays and the engine's record of one run.
 
+import type { GroupSummary } from '../types.js';
+
 /** One wedge set of the original. */
 export interface SourceWedgeSet {
   readonly positions: Float32Array;
@@ -7,14 +9,9 @@ export interface SourceWedgeSet {
 }
 
 /** One group of the original. */
-export interface SourceGroup {
+export interface SourceGroup extends GroupSummary {
   /** In its wedge set. */
   readonly indices: Uint32Array;
-  readonly wedgeSet: number;
-  readonly mesh: number;
-  readonly primitive: number;
-  readonly object: string | null;
-  readonly material: string | null;
 }
 
 /** Everything. */

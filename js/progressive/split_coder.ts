@@ -12,82 +12,30 @@
 // in the arc of t splits too. One bit says that all of this is so, which it nearly always is.
 
 import { DecimeshError } from '../errors.js';
-import { FloatModel, IntegerModel } from './numbers.js';
+import type { Description } from './description.js';
+import { IntegerModel } from './numbers.js';
 import { newModels, type Coder } from './range_coder.js';
-import { NONE, Ring, type SplitMesh, type WedgeSetState } from './state.js';
-import { isDirection, type Description } from './description.js';
-
-/** A triangle that a split makes, as the writer knows it; wedges by the names that {@link SplitPlan} has for them. */
-export interface PlannedTriangle {
-  /** Vertex of the mesh beside s and t. */
-  readonly third: number;
-  /** Whether s, t, third is its direction, and not t, s, third. */
-  readonly forward: boolean;
-  readonly group: number;
-  /** Names of the wedges at s, t and third. */
-  readonly wedges: readonly [number, number, number];
-  /** Called with the triangle's number once it has one, and the places of s, t and third in it. */
-  made(triangle: number, places: readonly [number, number, number]): void;
-}
-
-/** What the writer knows of a split. */
-export interface SplitPlan {
-  /** The name of the wedge that a corner at s has afterwards, at t; undefined for a corner that stays. */
-  moved(corner: number): number | undefined;
-  readonly triangles: readonly PlannedTriangle[];
-  /** The number of a wedge with this name; undefined before it has one. */
-  numberOf(name: number): number | undefined;
-  /** The wedge that a new one came from, {@link NONE} if nothing of its set is there yet. */
-  parentOf(name: number): number;
-  setOf(name: number): number;
-  /** A wedge has got its number: its name, and its values are put into the mesh. */
-  named(name: number, wedge: number): void;
-  /** Puts the position of the new vertex into the mesh. */
-  place(vertex: number): void;
-}
-
-/** What a split changed. */
-export interface SplitEffect {
-  readonly from: number;
-  readonly vertex: number;
-  /** Corners that went over, and their wedges afterwards. */
-  readonly moved: readonly number[];
-  readonly movedTo: readonly number[];
-  /** The wedges that they had. */
-  readonly formerly: readonly number[];
-  readonly firstTriangle: number;
-}
-
-/** A place where arcs meet, or the end of a fan. */
-interface Gap {
-  readonly third: number;
-  readonly forward: boolean;
-  /** The triangle of t's arc and that of s's beside it, as places in the ring; −1 if there is none. */
-  readonly atT: number;
-  readonly atS: number;
-}
+import { ArcCoder, codeIndex, type Gap } from './split_arcs.js';
+import type { SplitEffect, SplitPlan } from './split_plan.js';
+import { NONE, Ring, type SplitMesh } from './state.js';
+import { ValueCoder } from './value_coder.js';
 
 const DONE = { group: 0, wedges: [0, 0, 0] as [number, number, number] };
 
 /** Models of everything in a split; they go on learning from chunk to chunk. */
 export class SplitCoder {
-  readonly #moved = newModels(13 * 13 * 3 * 2);
-  readonly #gaps = newModels(8);
-  readonly #flags = newModels(32);
+  readonly #flags = newModels(8);
   readonly #integers = new IntegerModel();
-  readonly #positions: FloatModel;
-  readonly #values: readonly (readonly FloatModel[])[];
-  readonly #directions: readonly (readonly boolean[])[];
+  readonly #arcs = new ArcCoder(this.#integers);
   readonly #groupSets: readonly number[];
+  /** Positions and attributes. */
+  readonly values: ValueCoder;
   /** The triangles around the vertex that was split last, before that. */
   readonly ring = new Ring();
-  readonly #prediction: number[] = [];
 
-  constructor({ wedgeSets, groups, positionGrid }: Description) {
-    this.#positions = new FloatModel(positionGrid, 3);
-    this.#values = wedgeSets.map((set) => set.attributes.map(({ grid, components }) => new FloatModel(grid, components)));
-    this.#directions = wedgeSets.map((set) => set.attributes.map(isDirection));
-    this.#groupSets = groups.map(({ wedgeSet }) => wedgeSet);
+  constructor(description: Description) {
+    this.values = new ValueCoder(description);
+    this.#groupSets = description.groups.map(({ wedgeSet }) => wedgeSet);
   }
 
   /** Codes the split of vertex `s` and does it. */
@@ -95,68 +43,10 @@ export class SplitCoder {
     const { ring } = this;
     mesh.rebound.length = 0;
     ring.read(mesh, s);
-    const moves = this.#codeArcs(coder, ring, plan);
+    const moves = this.#arcs.codeArcs(coder, ring, plan);
     const t = mesh.addVertex(s);
-    const gaps = this.#codeGaps(coder, ring, moves, s, t, plan);
+    const gaps = this.#arcs.codeGaps(coder, ring, moves, s, t, plan);
     return this.#finish(coder, mesh, s, t, moves, gaps, plan);
-  }
-
-  #codeArcs(coder: Coder, ring: Ring, plan: SplitPlan | undefined): boolean[] {
-    const moves: boolean[] = [];
-    const size = Math.min(ring.count, 12);
-    let [turns, last] = [0, 0];
-    for (let i = 0; i < ring.count; i += 1) {
-      const context = ((size * 13 + Math.min(i, 12)) * 3 + turns) * 2 + last;
-      const wanted = plan?.moved(ring.corners[i] as number) === undefined ? 0 : 1;
-      const moved = coder.bit(this.#moved, context, wanted);
-      if (i > 0 && moved !== last && turns < 2) turns += 1;
-      last = moved;
-      moves.push(moved === 1);
-    }
-    return moves;
-  }
-
-  #codeGaps(coder: Coder, ring: Ring, moves: readonly boolean[], s: number, t: number, plan?: SplitPlan): Array<Gap & { planned: PlannedTriangle | undefined }> {
-    const left = plan === undefined ? [] : [...plan.triangles];
-    const take = (third: number, forward: boolean): PlannedTriangle | undefined => {
-      const at = left.findIndex((triangle) => triangle.third === third && triangle.forward === forward);
-      return at < 0 ? undefined : left.splice(at, 1)[0];
-    };
-    const made: Array<Gap & { planned: PlannedTriangle | undefined }> = [];
-    const offer = (context: number, third: number, forward: boolean, atT: number, atS: number): void => {
-      if (third === s) return;
-      const planned = take(third, forward);
-      if (coder.bit(this.#gaps, context, planned === undefined ? 0 : 1) === 1) made.push({ third, forward, atT, atS, planned });
-    };
-    for (const [fan, start] of ring.fanStarts.entries()) {
-      const end = ring.fanStarts[fan + 1] ?? ring.count;
-      const closes = ring.fanCloses[fan] as boolean;
-      if (!closes) {
-        const moved = moves[start] as boolean;
-        offer(moved ? 2 : 3, ring.next[start] as number, !moved, moved ? start : -1, moved ? -1 : start);
-      }
-      for (let i = start; i < end; i += 1) {
-        const follower = i + 1 < end ? i + 1 : start;
-        if (i + 1 === end && !closes) break;
-        const moved = moves[i] as boolean;
-        if (moved === moves[follower]) continue;
-        offer(closes ? 0 : 1, ring.previous[i] as number, moved, moved ? i : follower, moved ? follower : i);
-      }
-      if (!closes) {
-        const moved = moves[end - 1] as boolean;
-        offer(moved ? 4 : 5, ring.previous[end - 1] as number, moved, moved ? end - 1 : -1, moved ? -1 : end - 1);
-      }
-    }
-    // What is beside nothing.
-    while (coder.bit(this.#gaps, 6, left.length === 0 ? 0 : 1) === 1) {
-      const planned = left.shift();
-      const third = this.#index(coder, t, planned?.third ?? 0, 'triangle');
-      if (third === s) throw new DecimeshError('syntax', 'a triangle has a corner twice', `splits[${t}]`);
-      const forward = coder.bit(this.#flags, 0, planned?.forward === true ? 1 : 0) === 1;
-      made.push({ third, forward, atT: -1, atS: -1, planned });
-      if (made.length > 1e6) throw new DecimeshError('too-large', 'a split makes more than a million triangles', `splits[${t}]`);
-    }
-    return made;
   }
 
   /** Wedges and groups, then positions and attributes, all put into the mesh. */
@@ -166,7 +56,7 @@ export class SplitCoder {
     s: number,
     t: number,
     moves: readonly boolean[],
-    gaps: ReadonlyArray<Gap & { planned: PlannedTriangle | undefined }>,
+    gaps: readonly Gap[],
     plan: SplitPlan | undefined,
   ): SplitEffect {
     const { ring } = this;
@@ -223,13 +113,13 @@ export class SplitCoder {
       planned?.made(triangle, forward ? [0, 1, 2] : [1, 0, 2]);
     }
     plan?.place(t);
-    this.#codePosition(coder, mesh, s, t);
-    for (let wedge = firstWedge; wedge < mesh.wedgeCount; wedge += 1) this.codeValues(coder, mesh, wedge);
+    this.values.codePosition(coder, mesh, s, t);
+    for (let wedge = firstWedge; wedge < mesh.wedgeCount; wedge += 1) this.values.codeValues(coder, mesh, wedge);
     return { from: s, vertex: t, moved, movedTo, formerly, firstTriangle };
   }
 
   /** Whether everything is as it would be predicted. */
-  #isRegular(mesh: SplitMesh, moves: readonly boolean[], gaps: ReadonlyArray<Gap & { planned: PlannedTriangle | undefined }>, plan: SplitPlan, stays: ReadonlySet<number>): boolean {
+  #isRegular(mesh: SplitMesh, moves: readonly boolean[], gaps: readonly Gap[], plan: SplitPlan, stays: ReadonlySet<number>): boolean {
     const { ring } = this;
     const names = new Map<number, number>();
     // The same wedge twice would be two of the same name.
@@ -270,7 +160,7 @@ export class SplitCoder {
   #predicted(
     coder: Coder,
     mesh: SplitMesh,
-    { atT, atS, third, planned }: Gap & { planned: PlannedTriangle | undefined },
+    { atT, atS, third, planned }: Gap,
     splitOf: (wedge: number, name: number | undefined) => number,
     plan: SplitPlan | undefined,
   ): { group: number; wedges: [number, number, number] } {
@@ -294,12 +184,12 @@ export class SplitCoder {
   #spelt(
     coder: Coder,
     mesh: SplitMesh,
-    { planned }: Gap & { planned: PlannedTriangle | undefined },
+    { planned }: Gap,
     split: Map<number, number>,
     t: number,
     plan: SplitPlan | undefined,
   ): { group: number; wedges: [number, number, number] } {
-    const group = this.#index(coder, this.#groupSets.length, planned?.group ?? 0, 'group');
+    const group = codeIndex(coder, this.#integers, this.#groupSets.length, planned?.group ?? 0, 'group');
     const set = this.#groupSets[group] as number;
     const names = planned?.wedges;
     const guess = split.size === 1 ? ([...split.values()][0] as number) : NONE;
@@ -318,81 +208,13 @@ export class SplitCoder {
   #wedge(coder: Coder, mesh: SplitMesh, guess: number, set: number, name: number | undefined, vertex: number, plan?: SplitPlan): number {
     const number = name === undefined ? undefined : plan?.numberOf(name);
     if (guess !== NONE && coder.bit(this.#flags, 5, number === guess ? 1 : 0) === 1) return guess;
-    if (coder.bit(this.#flags, 6, number === undefined ? 1 : 0) === 0) return this.#index(coder, mesh.wedgeCount, number ?? 0, 'wedge');
+    if (coder.bit(this.#flags, 6, number === undefined ? 1 : 0) === 0) return codeIndex(coder, this.#integers, mesh.wedgeCount, number ?? 0, 'wedge');
     const wantedParent = name === undefined || plan === undefined ? NONE : plan.parentOf(name);
     const root = coder.bit(this.#flags, 7, wantedParent === NONE ? 1 : 0) === 1;
-    const parent = root ? NONE : this.#index(coder, mesh.wedgeCount, wantedParent, 'wedge');
+    const parent = root ? NONE : codeIndex(coder, this.#integers, mesh.wedgeCount, wantedParent, 'wedge');
     const wedge = mesh.addWedge(root ? set : (mesh.setOf[parent] as number), parent, vertex);
     if (plan !== undefined && name !== undefined) plan.named(name, wedge);
     return wedge;
-  }
-
-  /** A number below `count`, about which nothing is known. */
-  #index(coder: Coder, count: number, value: number, what: string): number {
-    const index = this.#integers.unsigned(coder, 0, value);
-    if (index >= count) throw new DecimeshError('out-of-range', `there is no ${what} ${index}`, 'splits');
-    return index;
-  }
-
-  #codePosition(coder: Coder, mesh: SplitMesh, s: number, t: number): void {
-    const { positions, vertexOf } = mesh;
-    const sum = this.#prediction;
-    sum[0] = sum[1] = sum[2] = 0;
-    const corners: number[] = [];
-    const count = mesh.cornersAt(t, corners);
-    for (let i = 0; i < count; i += 1) {
-      const corner = corners[i] as number;
-      for (const wedge of [mesh.nextWedge(corner), mesh.previousWedge(corner)]) {
-        const at = 3 * (vertexOf[wedge] as number);
-        for (let k = 0; k < 3; k += 1) sum[k] = (sum[k] as number) + (positions[at + k] as number);
-      }
-    }
-    let scale = 0;
-    for (let k = 0; k < 3; k += 1) {
-      const from = positions[3 * s + k] as number;
-      sum[k] = count === 0 ? from : (sum[k] as number) / (2 * count);
-      scale = Math.max(scale, Math.abs((sum[k] as number) - from));
-    }
-    this.#positions.code(coder, positions, 3 * t, sum, scale);
-  }
-
-  /** The attributes of a wedge that is new, after its corners are there: all, or only directions or others. */
-  codeValues(coder: Coder, mesh: SplitMesh, wedge: number, which?: 'directions' | 'others'): void {
-    const set = mesh.setOf[wedge] as number;
-    const state = mesh.sets[set] as WedgeSetState;
-    if (state.components.length === 0) return;
-    const corners: number[] = [];
-    const around: number[] = [];
-    const count = mesh.cornersAt(mesh.vertexOf[wedge] as number, corners);
-    for (let i = 0; i < count; i += 1) {
-      const corner = corners[i] as number;
-      if (mesh.corners[corner] !== wedge) continue;
-      // Its own values are not known yet, and those of wedges behind it neither.
-      for (const other of [mesh.nextWedge(corner), mesh.previousWedge(corner)]) {
-        if (other < wedge && mesh.setOf[other] === set) around.push(mesh.placeOf[other] as number);
-      }
-    }
-    const parent = mesh.parentWedges[wedge] as number;
-    const parentPlace = parent === NONE ? -1 : (mesh.placeOf[parent] as number);
-    if (around.length === 0 && parentPlace >= 0) around.push(parentPlace);
-    const place = mesh.placeOf[wedge] as number;
-    const sum = this.#prediction;
-    for (const [index, components] of state.components.entries()) {
-      const directed = this.#directions[set]?.[index] === true;
-      if (which !== undefined && directed !== (which === 'directions')) continue;
-      const values = state.attributes[index] as Float32Array<ArrayBuffer>;
-      for (let k = 0; k < components; k += 1) {
-        sum[k] = 0;
-        for (const other of around) sum[k] = (sum[k] as number) + (values[other * components + k] as number);
-        sum[k] = (sum[k] as number) / Math.max(around.length, 1);
-      }
-      if (directed) normalise(sum);
-      let scale = 0;
-      for (let k = 0; k < components && parentPlace >= 0; k += 1) {
-        scale = Math.max(scale, Math.abs((sum[k] as number) - (values[parentPlace * components + k] as number)));
-      }
-      ((this.#values[set] as readonly FloatModel[])[index] as FloatModel).code(coder, values, place * components, sum, scale);
-    }
   }
 }
 
@@ -400,10 +222,4 @@ export class SplitCoder {
 function thirdWedge(mesh: SplitMesh, corner: number, third: number): number {
   const next = mesh.nextWedge(corner);
   return mesh.vertexOf[next] === third ? next : mesh.previousWedge(corner);
-}
-
-function normalise(direction: number[]): void {
-  const [x, y, z] = direction as [number, number, number];
-  const length = Math.sqrt(x * x + y * y + z * z);
-  for (let k = 0; k < 3 && length > 0; k += 1) direction[k] = (direction[k] as number) / length;
 }

@@ -1,6 +1,6 @@
 // What each split changed, kept so that any level can be had again, and parts of the mesh at different ones.
 
-import type { SplitEffect } from './split_coder.js';
+import type { SplitEffect } from './split_plan.js';
 import { grown, type SplitMesh } from './state.js';
 
 /** The splits that were done, in their order; of split k the new vertex is `baseVertices + k`. */

@@ -27,7 +27,7 @@ import type { Answer, AnsweredRequest, AnswerTo, Reply, Request } from './protoc
 export { describeBlockers } from '../blockers.js';
 export { DecimeshError } from '../errors.js';
 export { COMPRESSIONS, OUTPUT_FORMATS, holdsEncodings, usualFormat } from '../formats.js';
-export { PRESETS, isPreset } from '../options.js';
+export { MOST_LODS, PRESETS, isPreset } from '../options.js';
 export type { Parts } from '../parts.js';
 export type { AttributeDeviation, Deviation, DeviationMap, Report, ReportedLod, SideDeviation, WedgeSetDeviation } from '../report.js';
 export type * from '../types.js';

@@ -5,12 +5,15 @@
 //! first use.
 
 use super::content::Content;
-use super::notice::Notices;
+use super::notice::{DEGENERATE_FACE, DEGENERATE_TRIANGLE, Kind, Notices, SMALL_FACE, UNTRIANGULATED_FACE};
 use super::polygon::Triangulator;
 use super::row_table::RowTable;
 use super::{GroupLabel, Instance, SceneLayout};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::{Attribute, Blend, Group, Mesh, Part, WedgeSet};
+
+static FACE_COLORS_BLENDED: Kind =
+    ("face-colors-blended", "file whose faces nearly all differ in colour; vertices have the mean of theirs");
 
 /// The unit matrix, column-major.
 pub(super) const IDENTITY: [f64; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
@@ -130,7 +133,7 @@ impl Faces {
         if let &[a, b, c] = corners {
             let points = [a, b, c].map(|corner| self.positions[corner.vertex as usize]);
             if points[0] == points[1] || points[1] == points[2] || points[2] == points[0] {
-                self.notices.count("degenerate-face", "faces with fewer than three distinct points left out", place);
+                self.notices.count(&DEGENERATE_FACE, place);
             } else {
                 let triangle = [self.wedge(a), self.wedge(b), self.wedge(c)];
                 self.triangles.push(triangle);
@@ -153,7 +156,7 @@ impl Faces {
 
     fn larger_polygon(&mut self, corners: &[Corner], place: &dyn Fn() -> String) {
         if corners.len() < 3 {
-            self.notices.count("face-too-small", "faces with fewer than three corners left out", place);
+            self.notices.count(&SMALL_FACE, place);
             return;
         }
         self.corners.clear();
@@ -170,19 +173,17 @@ impl Faces {
             self.corners.pop();
         }
         if self.points.len() < 3 {
-            self.notices.count("degenerate-face", "faces with fewer than three distinct points left out", place);
+            self.notices.count(&DEGENERATE_FACE, place);
             return;
         }
         let (pieces, is_regular) = self.triangulator.triangulate(&self.points);
         if !is_regular {
-            let text = "polygons that cross themselves or are too intricate triangulated roughly";
-            self.notices.count("polygon-not-simple", text, place);
+            self.notices.count(&UNTRIANGULATED_FACE, place);
         }
         for &[a, b, c] in pieces {
             let points = &self.points;
             if points[a] == points[b] || points[b] == points[c] || points[c] == points[a] {
-                let text = "triangles with coinciding corners left out of polygons";
-                self.notices.count("degenerate-triangle", text, place);
+                self.notices.count(&DEGENERATE_TRIANGLE, place);
             } else {
                 let wedges = &mut self.wedges;
                 self.triangles.push([a, b, c].map(|corner| wedge_of(wedges, self.corners[corner])));
@@ -265,8 +266,7 @@ impl Faces {
         self.colors = colors;
         self.wedges = Some(rows);
         self.color_blend = Blend::Linear;
-        let text = "file whose faces nearly all differ in colour; vertices have the mean of theirs";
-        self.notices.count("face-colors-blended", text, &|| file.to_owned());
+        self.notices.count(&FACE_COLORS_BLENDED, &|| file.to_owned());
     }
 
     /// The wedges' positions and attributes: what the corners say, else what their vertices say.

@@ -31,6 +31,16 @@ pub(crate) fn parse(json: &[u8]) -> Result<Value, Fault> {
     if parser.at < json.len() { parser.fail("something follows the end of the value") } else { Ok(value) }
 }
 
+/// What is in `all` from `first` on, in no more memory than it takes, and none beside that even where it is all.
+fn split_off<T>(all: &mut Vec<T>, first: usize) -> Vec<T> {
+    if first > 0 {
+        return all.split_off(first);
+    }
+    let mut whole = std::mem::take(all);
+    whole.shrink_to_fit();
+    whole
+}
+
 struct Parser<'j> {
     json: &'j [u8],
     at: usize,
@@ -107,7 +117,7 @@ impl<'j> Parser<'j> {
             }
         }
         self.at += 1;
-        Ok(Value::Array(self.values.split_off(first)))
+        Ok(Value::Array(split_off(&mut self.values, first)))
     }
 
     fn object(&mut self) -> Result<Value, Fault> {
@@ -133,7 +143,7 @@ impl<'j> Parser<'j> {
             }
         }
         self.at += 1;
-        Ok(Value::Object(Box::new(Members::of(self.members.split_off(first)))))
+        Ok(Value::Object(Members::of(split_off(&mut self.members, first))))
     }
 
     /// Whether a comma follows, and not the end of the list, which is left where it is.

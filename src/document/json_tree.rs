@@ -18,7 +18,7 @@ pub(crate) enum Value {
     Number(Box<str>),
     String(Box<str>),
     Array(Vec<Value>),
-    Object(Box<Members>),
+    Object(Members),
 }
 
 static NULL: Value = Value::Null;
@@ -177,7 +177,7 @@ impl IndexMut<&str> for Value {
     #[inline(never)]
     fn index_mut(&mut self, key: &str) -> &mut Self {
         if !self.is_object() {
-            *self = Self::Object(Box::default());
+            *self = Self::Object(Members::default());
         }
         match self {
             Self::Object(members) => members.entry(key),
@@ -255,10 +255,14 @@ impl<T: Into<Self>> From<Vec<T>> for Value {
     }
 }
 
-/// The members of an object in the order of the file, each key once.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Members {
-    list: Vec<(Box<str>, Value)>,
+/// The members of an object in the order of the file, each key once. An object without any takes no memory: a file may
+/// have millions.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Members(Option<Box<List>>);
+
+#[derive(Debug, Clone, Default)]
+struct List {
+    members: Vec<(Box<str>, Value)>,
     /// The numbers of the members by their keys; empty up to [`FEW`] of them, which are sooner found one by one.
     by_key: Vec<u32>,
 }
@@ -278,7 +282,7 @@ impl Members {
                     None => at += 1,
                 }
             }
-            return Self { list, by_key: Vec::new() };
+            return Self((!list.is_empty()).then(|| Box::new(List { members: list, by_key: Vec::new() })));
         }
         let mut order: Vec<u32> = (0..list.len() as u32).collect();
         order.sort_by(|&a, &b| list[a as usize].0.cmp(&list[b as usize].0).then(a.cmp(&b)));
@@ -292,49 +296,76 @@ impl Members {
         }
         let mut goes = goes.iter();
         list.retain(|_| !goes.next().copied().unwrap_or(false));
-        let mut out = Self { list, by_key: Vec::new() };
+        let mut out = Box::new(List { members: list, by_key: Vec::new() });
         out.sort();
-        out
+        Self(Some(out))
     }
 
+    fn list(&self) -> &[(Box<str>, Value)] {
+        self.0.as_ref().map_or(&[], |list| &list.members)
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.list().is_empty()
+    }
+
+    pub(crate) fn get(&self, key: &str) -> Option<&Value> {
+        let list = self.0.as_ref()?;
+        list.find(key).ok().map(|at| &list.members[at].1)
+    }
+
+    pub(crate) fn get_mut(&mut self, key: &str) -> Option<&mut Value> {
+        let list = self.0.as_mut()?;
+        list.find(key).ok().map(|at| &mut list.members[at].1)
+    }
+
+    /// The member under `key`, made `null` if it was not there.
+    fn entry(&mut self, key: &str) -> &mut Value {
+        self.0.get_or_insert_default().entry(key)
+    }
+
+    /// Takes a member out; the order of the others stays.
+    pub(crate) fn remove(&mut self, key: &str) -> Option<Value> {
+        self.0.as_mut()?.remove(key)
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, &Value)> {
+        self.list().iter().map(|(key, value)| (&**key, value))
+    }
+}
+
+impl PartialEq for Members {
+    fn eq(&self, other: &Self) -> bool {
+        self.list() == other.list()
+    }
+}
+
+impl List {
     fn sort(&mut self) {
         self.by_key.clear();
-        if self.list.len() > FEW {
-            self.by_key.extend(0..self.list.len() as u32);
-            let list = &self.list;
-            self.by_key.sort_by(|&a, &b| list[a as usize].0.cmp(&list[b as usize].0));
+        if self.members.len() > FEW {
+            self.by_key.extend(0..self.members.len() as u32);
+            let members = &self.members;
+            self.by_key.sort_by(|&a, &b| members[a as usize].0.cmp(&members[b as usize].0));
         }
     }
 
     /// Where the key is; or, for one that is not there, its place in the index.
     #[inline(never)]
     fn find(&self, key: &str) -> Result<usize, usize> {
-        if self.list.len() > FEW {
-            let place = self.by_key.binary_search_by(|&at| (*self.list[at as usize].0).cmp(key))?;
+        if self.members.len() > FEW {
+            let place = self.by_key.binary_search_by(|&at| (*self.members[at as usize].0).cmp(key))?;
             return Ok(self.by_key[place] as usize);
         }
-        self.list.iter().position(|(name, _)| **name == *key).ok_or(0)
+        self.members.iter().position(|(name, _)| **name == *key).ok_or(0)
     }
 
-    pub(crate) fn is_empty(&self) -> bool {
-        self.list.is_empty()
-    }
-
-    pub(crate) fn get(&self, key: &str) -> Option<&Value> {
-        self.find(key).ok().map(|at| &self.list[at].1)
-    }
-
-    pub(crate) fn get_mut(&mut self, key: &str) -> Option<&mut Value> {
-        self.find(key).ok().map(|at| &mut self.list[at].1)
-    }
-
-    /// The member under `key`, made `null` if it was not there.
     fn entry(&mut self, key: &str) -> &mut Value {
         let at = match self.find(key) {
             Ok(at) => at,
             Err(place) => {
-                let at = self.list.len();
-                self.list.push((key.into(), Value::Null));
+                let at = self.members.len();
+                self.members.push((key.into(), Value::Null));
                 match at {
                     ..FEW => {}
                     FEW => self.sort(),
@@ -343,19 +374,14 @@ impl Members {
                 at
             }
         };
-        &mut self.list[at].1
+        &mut self.members[at].1
     }
 
-    /// Takes a member out; the order of the others stays.
-    pub(crate) fn remove(&mut self, key: &str) -> Option<Value> {
+    fn remove(&mut self, key: &str) -> Option<Value> {
         let at = self.find(key).ok()?;
-        let (_, value) = self.list.remove(at);
+        let (_, value) = self.members.remove(at);
         self.sort();
         Some(value)
-    }
-
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (&str, &Value)> {
-        self.list.iter().map(|(key, value)| (&**key, value))
     }
 }
 

@@ -15,8 +15,8 @@ pub(super) struct RowTable<const N: usize> {
 /// is near 80, unless somebody chose the rows such that their hashes are the same: time would go with their square.
 pub(super) const LONGEST_CHAIN: usize = 512;
 
-/// Nobody finds rows that collide under as many.
-const SEEDS: u32 = 16;
+/// Hashes that are tried, one after the other; nobody finds rows that collide under as many.
+pub(super) const SEEDS: u32 = 16;
 
 impl<const N: usize> RowTable<N> {
     /// An empty table.

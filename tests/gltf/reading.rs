@@ -90,6 +90,27 @@ fn scale_is_the_largest_of_all_appearances() {
 }
 
 #[test]
+fn every_mesh_is_where_its_ancestors_put_it() {
+    let (mut json, binary) = square();
+    // Of the two parents of node 2 the first counts, and of its two places among the children too.
+    json["nodes"] = json!([
+        { "translation": [1, 0, 0], "children": [5, 1, 2, 2, 4] },
+        { "translation": [0, 0, 9] },
+        { "translation": [0, 10, 0], "children": [3], "mesh": 0 },
+        { "translation": [0, 0, 100], "mesh": 0 },
+        { "scale": [2, 2, 2], "mesh": 0, "children": [2, 6] },
+        { "translation": [1000, 0, 0], "children": [7] },
+        { "translation": [3, 3, 3], "mesh": 0 },
+        { "mesh": 0 }
+    ]);
+    json["scenes"] = json!([{ "nodes": [0] }]);
+    let document = open_glb(&json, binary).unwrap();
+    let places = document.layout().instances.iter().map(|instance| instance.world_from_local[12..15].to_vec());
+    let expected = [[1.0, 10.0, 0.0], [1.0, 10.0, 100.0], [1.0, 0.0, 0.0], [7.0, 6.0, 6.0], [1001.0, 0.0, 0.0]];
+    assert_eq!(places.collect::<Vec<_>>(), expected);
+}
+
+#[test]
 fn attributes_keep_their_names_and_meaning() {
     let document = Document::open(load(&fixtures().join("SimpleSkin.gltf"))).unwrap();
     let list = |document: &Document| -> Vec<(String, Blend)> {

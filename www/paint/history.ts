@@ -30,8 +30,9 @@ export class PaintHistory {
     return this.last;
   }
 
-  /** Each vertex's paint in `state`. The array is the history's own and changes with the next call. */
-  at(state: number): Uint8Array<ArrayBuffer> {
+  /** Each vertex's paint in `state`; none in one that is not known. The array is the history's own and changes with the next call. */
+  at(wanted: number): Uint8Array<ArrayBuffer> {
+    const state = this.strokes.has(wanted) ? wanted : UNPAINTED;
     const forwards: number[] = [];
     let target = state;
     // Up to where both come from, and down again.
@@ -47,6 +48,20 @@ export class PaintHistory {
     for (const number of forwards.reverse()) this.apply(number);
     this.state = state;
     return this.painted;
+  }
+
+  /** Forgets strokes that lead to none of `states`: those that were undone and have another in their place. */
+  keep(states: Iterable<number>): void {
+    const kept = new Set<number>();
+    for (const end of [this.state, ...states]) {
+      for (let state = end; state !== UNPAINTED && !kept.has(state); state = this.strokes.get(state)?.from ?? UNPAINTED) kept.add(state);
+    }
+    for (const state of this.strokes.keys()) if (!kept.has(state)) this.strokes.delete(state);
+  }
+
+  /** How many strokes are kept. */
+  get size(): number {
+    return this.strokes.size;
   }
 
   private depth(state: number): number {

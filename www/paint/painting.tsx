@@ -74,6 +74,8 @@ export class Painting {
     this.shown = this.canvasOf.history.add(run.paint, change);
     const paint = this.shown;
     this.store.update((now) => transitions.runChanged(now, { paint }));
+    const steps = [...(this.store.value.model?.undo ?? []), ...(this.store.value.model?.redo ?? [])];
+    this.canvasOf.history.keep([paint, ...steps.map(({ run: { paint: state } }) => state)]);
   }
 
   private follow(now: State): void {

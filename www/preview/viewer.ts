@@ -195,15 +195,17 @@ export class Viewer {
   setSettings(settings: ViewSettings): void {
     const before = this.settings;
     this.settings = settings;
-    if (before.layout !== settings.layout || before.comparing !== settings.comparing || before.split !== settings.split) this.arrange();
-    if (before.surface !== settings.surface) this.paint();
-    if (before.animation !== settings.animation) this.playAnimation();
+    const changed = (...names: ReadonlyArray<keyof ViewSettings>): boolean => names.some((name) => before[name] !== settings[name]);
+    const told = this.panes.at(-1)?.side;
+    if (changed('layout', 'comparing', 'split')) this.arrange();
+    if (changed('surface')) this.paint();
+    if (changed('animation')) this.playAnimation();
     this.morphs?.change(before.morphs, settings.morphs);
     this.lamp.set(settings.lamp);
-    this.light();
+    if (changed('lamp', 'surface')) this.light();
     this.original?.trim(settings);
     this.result?.trim(settings);
-    this.tellEdges();
+    if (changed('edgeClasses') || this.panes.at(-1)?.side !== told) this.tellEdges();
     this.invalidate();
   }
 

@@ -3,7 +3,7 @@
 use super::json::{extension, items};
 use super::layout::{Component, Layout, Shape};
 use super::resource::Content;
-use super::schema::{MESHOPT_EXTENSIONS, Root};
+use super::schema::{self, Accessor, MESHOPT_EXTENSIONS, Root};
 use crate::document::NamedFile;
 use crate::document::json_tree::Value;
 use crate::error::{Error, ErrorCode};
@@ -47,6 +47,38 @@ struct Sparse<'a> {
     values: &'a [u8],
 }
 
+impl<'a> Sparse<'a> {
+    /// Checks the elements of accessor `index` that differ from its base, which has `count`.
+    fn open(
+        data: Data<'a>,
+        index: usize,
+        sparse: &schema::Sparse,
+        layout: Layout,
+        count: usize,
+    ) -> Result<Self, Error> {
+        let Some(sparse_count) = usize::try_from(sparse.count).ok().filter(|n| (1..=count).contains(n)) else {
+            let message = format!("{} is not between 1 and the accessor's count {count}", sparse.count);
+            return Err(fault(ErrorCode::OutOfRange, index, "sparse.count", message));
+        };
+        let open = |(view, offset), size, field, what| {
+            tail(view_bytes(data, view)?.0, offset, sparse_count, size, size).ok_or_else(|| {
+                let message = format!("{sparse_count} {what} reach past their buffer view");
+                fault(ErrorCode::OutOfRange, index, field, message)
+            })
+        };
+        let kind = Layout { component: sparse.index_component, shape: Shape::Scalar, normalized: false };
+        let size = kind.byte_size();
+        let indices = open(sparse.indices, size, "sparse.indices", "indices")?;
+        let at: Vec<u32> = (0..sparse_count).map(|i| read_index(kind.component, &indices[i * size..])).collect();
+        if let Some(i) = (0..sparse_count).find(|&i| at[i] as usize >= count || (i > 0 && at[i] <= at[i - 1])) {
+            let message = format!("index {i} is {}: they must ascend and stay below the count {count}", at[i]);
+            return Err(fault(ErrorCode::OutOfRange, index, "sparse.indices", message));
+        }
+        let values = open(sparse.values, layout.byte_size(), "sparse.values", "values")?;
+        Ok(Self { at, values })
+    }
+}
+
 impl<'a> Elements<'a> {
     /// Checks an accessor of the file.
     ///
@@ -54,81 +86,35 @@ impl<'a> Elements<'a> {
     /// `out-of-range` when it reaches past its buffer view, or that past its buffer; `syntax` for
     /// values that make no sense; `unsupported` for compressed data without a fallback.
     pub(super) fn open(data: Data<'a>, index: usize) -> Result<Self, Error> {
-        let fail = |code, field: &str, message: String| {
-            let dot = if field.is_empty() { "" } else { "." };
-            Err(Error::new(code, format!("accessors[{index}]{dot}{field}"), message))
-        };
         let Some(accessor) = data.root.accessors.get(index) else {
-            return fail(ErrorCode::OutOfRange, "", format!("there are {} accessors", data.root.accessors.len()));
+            return Err(fault(
+                ErrorCode::OutOfRange,
+                index,
+                "",
+                format!("there are {} accessors", data.root.accessors.len()),
+            ));
         };
         let layout = accessor.layout;
         let Some(count) = usize::try_from(accessor.count).ok().filter(|&count| count < u32::MAX as usize) else {
-            return fail(ErrorCode::TooLarge, "count", format!("{} elements are too many", accessor.count));
+            return Err(fault(
+                ErrorCode::TooLarge,
+                index,
+                "count",
+                format!("{} elements are too many", accessor.count),
+            ));
         };
         if count == 0 {
-            return fail(ErrorCode::Syntax, "count", "an accessor has at least one element".into());
+            return Err(fault(ErrorCode::Syntax, index, "count", "an accessor has at least one element".into()));
         }
         let most_zeros = MOST_ZEROS.saturating_add(data.byte_count());
         if accessor.view.is_none() && count > most_zeros {
             let message = format!("{count} elements of zeros without a buffer view; at most {most_zeros} are read");
-            return fail(ErrorCode::TooLarge, "count", message);
+            return Err(fault(ErrorCode::TooLarge, index, "count", message));
         }
-        let (mut bytes, mut stride) = (None, layout.byte_size());
-        if let Some(view) = accessor.view {
-            let (content, view_stride) = view_bytes(data, view)?;
-            stride = view_stride.unwrap_or(stride);
-            if stride < layout.byte_size() {
-                return Err(Error::new(
-                    ErrorCode::Syntax,
-                    format!("bufferViews[{view}].byteStride"),
-                    format!("{stride} is less than the {} bytes of an element", layout.byte_size()),
-                ));
-            }
-            let offset = accessor.offset;
-            match tail(content, offset, count, stride, layout.byte_size()) {
-                Some(tail) => bytes = Some(tail),
-                None => {
-                    return fail(
-                        ErrorCode::OutOfRange,
-                        "",
-                        format!(
-                            "{count} elements from byte {offset} on reach past the {} bytes of bufferViews[{}]",
-                            content.len(),
-                            view
-                        ),
-                    );
-                }
-            }
-        }
-        let sparse = match &accessor.sparse {
-            None => None,
-            Some(sparse) => {
-                let Some(sparse_count) = usize::try_from(sparse.count).ok().filter(|n| (1..=count).contains(n)) else {
-                    let message = format!("{} is not between 1 and the accessor's count {count}", sparse.count);
-                    return fail(ErrorCode::OutOfRange, "sparse.count", message);
-                };
-                let kind = Layout { component: sparse.index_component, shape: Shape::Scalar, normalized: false };
-                let size = kind.byte_size();
-                let (view, offset) = sparse.indices;
-                let Some(indices) = tail(view_bytes(data, view)?.0, offset, sparse_count, size, size) else {
-                    let message = format!("{sparse_count} indices reach past their buffer view");
-                    return fail(ErrorCode::OutOfRange, "sparse.indices", message);
-                };
-                let at: Vec<u32> =
-                    (0..sparse_count).map(|i| read_index(kind.component, &indices[i * size..])).collect();
-                if let Some(i) = (0..sparse_count).find(|&i| at[i] as usize >= count || (i > 0 && at[i] <= at[i - 1])) {
-                    let message = format!("index {i} is {}: they must ascend and stay below the count {count}", at[i]);
-                    return fail(ErrorCode::OutOfRange, "sparse.indices", message);
-                }
-                let size = layout.byte_size();
-                let (view, offset) = sparse.values;
-                let Some(values) = tail(view_bytes(data, view)?.0, offset, sparse_count, size, size) else {
-                    let message = format!("{sparse_count} values reach past their buffer view");
-                    return fail(ErrorCode::OutOfRange, "sparse.values", message);
-                };
-                Some(Sparse { at, values })
-            }
-        };
+        let base = accessor.view.map(|view| base(data, index, view, accessor, count)).transpose()?;
+        let sparse =
+            accessor.sparse.as_ref().map(|sparse| Sparse::open(data, index, sparse, layout, count)).transpose()?;
+        let (bytes, stride) = base.map_or((None, layout.byte_size()), |(bytes, stride)| (Some(bytes), stride));
         Ok(Self { layout, count, bytes, stride, sparse })
     }
 
@@ -207,6 +193,41 @@ fn read_index(component: Component, bytes: &[u8]) -> u32 {
         // Unreachable, as in `Layout::decode`.
         _ => 0,
     }
+}
+
+/// The bytes of the `count` elements of accessor `index`, which are in `view`, and how far apart they are.
+fn base<'a>(
+    data: Data<'a>,
+    index: usize,
+    view: usize,
+    &Accessor { offset, layout, .. }: &Accessor,
+    count: usize,
+) -> Result<(&'a [u8], usize), Error> {
+    let (content, stride) = view_bytes(data, view)?;
+    let size = layout.byte_size();
+    let stride = stride.unwrap_or(size);
+    if stride < size {
+        let place = format!("bufferViews[{view}].byteStride");
+        return Err(Error::new(
+            ErrorCode::Syntax,
+            place,
+            format!("{stride} is less than the {size} bytes of an element"),
+        ));
+    }
+    let Some(bytes) = tail(content, offset, count, stride, size) else {
+        let length = content.len();
+        let message =
+            format!("{count} elements from byte {offset} on reach past the {length} bytes of bufferViews[{view}]");
+        return Err(fault(ErrorCode::OutOfRange, index, "", message));
+    };
+    Ok((bytes, stride))
+}
+
+/// The error of a field of accessor `index`; of the accessor itself without a `field`.
+#[inline(never)]
+fn fault(code: ErrorCode, index: usize, field: &str, message: String) -> Error {
+    let dot = if field.is_empty() { "" } else { "." };
+    Error::new(code, format!("accessors[{index}]{dot}{field}"), message)
 }
 
 /// `bytes` from `offset` on, if `count` elements of `size` bytes, `stride` apart, fit there.

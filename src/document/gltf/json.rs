@@ -7,7 +7,7 @@ use crate::document::json_tree::{Members, Value};
 /// An object with these members; `json!` would be a screen of code at every place.
 #[inline(never)]
 pub(super) fn object(members: Vec<(&str, Value)>) -> Value {
-    Value::Object(Box::new(members.into_iter().collect()))
+    Value::Object(members.into_iter().collect())
 }
 
 /// The member of an object under `key`.

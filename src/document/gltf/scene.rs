@@ -4,7 +4,7 @@ use crate::document::json_tree::Value;
 
 use super::accessor::{Data, read_all};
 use super::json::{extension, index as as_index, items, members, text, uint};
-use super::schema::Root;
+use super::schema;
 use crate::document::{GroupLabel, Instance};
 use crate::error::Error;
 
@@ -34,24 +34,24 @@ pub(super) struct Appearances {
 /// Those of accessors, for inverse bind matrices and instance transforms.
 pub(super) fn appearances(data: Data<'_>) -> Result<Appearances, Error> {
     let root = data.root;
-    let world = world_matrices(root);
+    let world = WorldMatrices::new(data);
     let default_scene = root.scene.unwrap_or(0);
     let scene_roots = |scene: usize| root.scenes.get(scene).map_or(&[][..], Vec::as_slice);
-    let shown = reachable(root, scene_roots(default_scene).iter().copied());
-    let anywhere = reachable(root, (0..root.scenes.len()).flat_map(scene_roots).copied());
+    let shown = reachable(data, scene_roots(default_scene).iter().copied());
+    let anywhere = reachable(data, (0..root.scenes.len()).flat_map(scene_roots).copied());
 
     let mut instances = Vec::new();
     let mut instances_left = MOST_INSTANCES;
     // Largest scale in a scene, and among nodes that no scene shows (a level of detail may hang
     // on an extension only).
     let mut largest = vec![[0.0f64; 2]; root.mesh_count];
-    for (n, node) in root.nodes.iter().enumerate() {
-        let Some(mesh) = node.mesh else {
+    for node in &root.nodes {
+        let (n, Some(mesh)) = (node.index, node.mesh) else {
             continue;
         };
         let base = match node.skin {
             Some(skin) => skinned_matrix(data, skin, &world)?,
-            None => world[n].unwrap_or(IDENTITY),
+            None => world.of(n),
         };
         let locals = instance_matrices(data, n, instances_left)?;
         instances_left -= locals.len().min(instances_left);
@@ -86,46 +86,90 @@ pub(super) fn label(tree: &Value, mesh: usize, primitive: usize) -> GroupLabel {
     }
 }
 
-/// World from local of every node that hangs on a root; `None` in a cycle, which has none.
-fn world_matrices(root: &Root) -> Vec<Option<Matrix>> {
-    let count = root.nodes.len();
-    let mut parent = vec![None; count];
-    for (n, node) in root.nodes.iter().enumerate() {
-        for child in node.children.iter().copied() {
-            parent[child] = parent[child].or(Some(n));
-        }
-    }
-    let mut world = vec![None; count];
-    let mut stack: Vec<usize> = (0..count).filter(|&n| parent[n].is_none()).collect();
-    while let Some(n) = stack.pop() {
-        let local = root.nodes[n].local.as_deref().copied().unwrap_or(IDENTITY);
-        world[n] = Some(match parent[n].and_then(|parent: usize| world[parent].as_ref()) {
-            Some(parent) => multiply(parent, &local),
-            None => local,
-        });
-        stack.extend(root.nodes[n].children.iter().filter(|&&child| parent[child] == Some(n)));
-    }
-    world
+/// World from local of the nodes that place something, and of no others: a file may have millions that do not.
+struct WorldMatrices {
+    /// Nodes with a mesh, and those that stand for a skin's joints; ascending.
+    nodes: Vec<usize>,
+    /// `None` in a cycle, which has none.
+    matrices: Vec<Option<Matrix>>,
 }
 
-fn reachable(root: &Root, from: impl Iterator<Item = usize>) -> Vec<bool> {
-    let mut seen = vec![false; root.nodes.len()];
+impl WorldMatrices {
+    /// Follows the ways from the roots to these nodes. Beside the result no more matrices are kept than there are
+    /// ancestors with another child to go to.
+    fn new(data: Data<'_>) -> Self {
+        let root = data.root;
+        let count = items(data.tree, "nodes").len();
+        // Of several parents the first counts.
+        let mut parents = vec![None; count];
+        for node in &root.nodes {
+            node.children.iter().for_each(|&child| _ = parents[child].get_or_insert(node.index as u32));
+        }
+        let mut places = vec![false; count];
+        root.nodes.iter().for_each(|node| places[node.index] = node.mesh.is_some() && node.skin.is_none());
+        root.skins.iter().filter_map(|skin| skin.first_joint).for_each(|joint| places[joint] = true);
+        let nodes: Vec<usize> = (0..count).filter(|&node| places[node]).collect();
+        // What leads to one of them and was not come by yet.
+        let mut leads = vec![false; count];
+        let mut next = Vec::new();
+        for &node in &nodes {
+            let mut node = node;
+            while !std::mem::replace(&mut leads[node], true) {
+                match parents[node] {
+                    Some(parent) => node = parent as usize,
+                    None => next.push((node, None)),
+                }
+            }
+        }
+        let mut matrices = vec![None; nodes.len()];
+        let mut ancestors: Vec<(usize, &[usize], Matrix)> = Vec::new();
+        while let Some((node, parent)) = next.pop() {
+            let local = schema::local(data.tree, node).unwrap_or(IDENTITY);
+            let matrix = parent.map_or(local, |parent| multiply(&parent, &local));
+            if let Ok(at) = nodes.binary_search(&node) {
+                matrices[at] = Some(matrix);
+            }
+            leads[node] = false;
+            ancestors.push((node, root.children(node), matrix));
+            while let Some((node, children, matrix)) = ancestors.pop() {
+                let is_next = |&child: &usize| leads[child] && parents[child] == Some(node as u32);
+                let mut left = children.iter().enumerate().filter(|(_, child)| is_next(child));
+                let Some((_, &child)) = left.next() else {
+                    continue;
+                };
+                if let Some((at, _)) = left.find(|&(_, &other)| other != child) {
+                    ancestors.push((node, &children[at..], matrix));
+                }
+                next.push((child, Some(matrix)));
+                break;
+            }
+        }
+        Self { nodes, matrices }
+    }
+
+    fn of(&self, node: usize) -> Matrix {
+        self.nodes.binary_search(&node).ok().and_then(|at| self.matrices[at]).unwrap_or(IDENTITY)
+    }
+}
+
+fn reachable(data: Data<'_>, from: impl Iterator<Item = usize>) -> Vec<bool> {
+    let mut seen = vec![false; items(data.tree, "nodes").len()];
     let mut stack: Vec<usize> = from.collect();
     while let Some(n) = stack.pop() {
         if let Some(first @ false) = seen.get_mut(n) {
             *first = true;
-            stack.extend(&root.nodes[n].children);
+            stack.extend(data.root.children(n));
         }
     }
     seen
 }
 
 /// A skin ignores its node's place: the first joint stands for all of them, in their bind pose.
-fn skinned_matrix(data: Data<'_>, skin: usize, world: &[Option<Matrix>]) -> Result<Matrix, Error> {
+fn skinned_matrix(data: Data<'_>, skin: usize, world: &WorldMatrices) -> Result<Matrix, Error> {
     let Some(skin) = data.root.skins.get(skin) else {
         return Ok(IDENTITY);
     };
-    let joint = skin.first_joint.and_then(|joint| world[joint]).unwrap_or(IDENTITY);
+    let joint = skin.first_joint.map_or(IDENTITY, |joint| world.of(joint));
     let Some(accessor) = skin.inverse_bind_matrices else {
         return Ok(joint);
     };

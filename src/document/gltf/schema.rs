@@ -21,6 +21,7 @@ pub(super) const MESHOPT_EXTENSIONS: [&str; 2] = ["EXT_meshopt_compression", "KH
 pub(super) struct Root {
     pub(super) accessors: Vec<Accessor>,
     pub(super) views: Vec<View>,
+    /// Those with a mesh or children, ascending: a file may have millions of nodes with neither.
     pub(super) nodes: Vec<Node>,
     /// The nodes of each scene.
     pub(super) scenes: Vec<Vec<usize>>,
@@ -63,11 +64,19 @@ pub(super) struct View {
 /// A node of the scene.
 #[derive(Debug)]
 pub(super) struct Node {
-    pub(super) children: Vec<usize>,
+    /// Its place among all nodes.
+    pub(super) index: usize,
+    pub(super) children: Box<[usize]>,
     pub(super) mesh: Option<usize>,
     pub(super) skin: Option<usize>,
-    /// Parent from local; `None` is the identity.
-    pub(super) local: Option<Box<Matrix>>,
+}
+
+impl Root {
+    /// The children of any node.
+    pub(super) fn children(&self, node: usize) -> &[usize] {
+        let found = self.nodes.binary_search_by_key(&node, |node| node.index);
+        found.map_or(&[], |at| &self.nodes[at].children)
+    }
 }
 
 /// A skin, as far as it places a mesh.
@@ -153,13 +162,18 @@ fn read_root(root: &Spot<'_, '_>) -> Result<Root, Error> {
         let inverse_bind_matrices = counts.reference(skin, "inverseBindMatrices", "accessors")?;
         Ok(Skin { first_joint: joints.first().copied(), inverse_bind_matrices })
     })?;
-    let nodes = list(root, "nodes", |node| {
-        Ok(Node {
-            children: counts.references(node, "children", "nodes")?,
-            mesh: counts.reference(node, "mesh", "meshes")?,
-            skin: counts.reference(node, "skin", "skins")?,
-            local: read_local(node)?.map(Box::new),
-        })
+    let mut nodes = Vec::new();
+    let mut index = 0;
+    list(root, "nodes", |node| {
+        let children = counts.references(node, "children", "nodes")?.into_boxed_slice();
+        let mesh = counts.reference(node, "mesh", "meshes")?;
+        let skin = counts.reference(node, "skin", "skins")?;
+        read_local(node)?;
+        if mesh.is_some() || !children.is_empty() {
+            nodes.push(Node { index, children, mesh, skin });
+        }
+        index += 1;
+        Ok(())
     })?;
     let scenes = list(root, "scenes", |scene| counts.references(scene, "nodes", "nodes"))?;
     let scene = counts.reference(root, "scene", "scenes")?;
@@ -261,6 +275,11 @@ fn check_primitive(primitive: &Spot<'_, '_>, counts: &Counts<'_, '_>) -> Result<
         targets.elements(|target| check_semantics(target))?;
     }
     Ok(())
+}
+
+/// Parent from local of a node that was checked; none is the identity.
+pub(super) fn local(tree: &Value, node: usize) -> Option<Matrix> {
+    read_local(&Spot::root(items(tree, "nodes").get(node)?)).ok().flatten()
 }
 
 /// Single precision, as every renderer has it.

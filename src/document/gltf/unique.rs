@@ -1,10 +1,6 @@
 //! Rows of numbers that lie in columns, each bit pattern kept once: an open-addressing table of the rows' hashes.
 
-use crate::document::row_table::LONGEST_CHAIN;
-
-/// Hashes that are tried where the ones before put too many rows into one chain, as nobody's rows do but those that were
-/// chosen for it.
-const SEEDS: u32 = 16;
+use crate::document::row_table::{LONGEST_CHAIN, SEEDS};
 
 /// Numbers of every row, and how many there are in each.
 pub(super) type Rows<'a> = (&'a [f32], usize);

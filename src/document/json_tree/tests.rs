@@ -29,7 +29,7 @@ proptest! {
     /// Whatever is set, set again and taken out, few members or many: as a plain list would have it.
     #[test]
     fn members_are_found_in_their_order(steps in proptest::collection::vec((any::<bool>(), 0..3 * FEW), 0..200)) {
-        let mut value = Value::Object(Box::<Members>::default());
+        let mut value = Value::Object(Members::default());
         let mut list: Vec<(String, usize)> = Vec::new();
         for (i, (set, key)) in steps.into_iter().enumerate() {
             let name = format!("k{key}");

@@ -6,7 +6,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::notice::{Notice, Notices};
+use super::notice;
+use crate::document::notice::{Kind, Notices, SMALL_FACE};
 use crate::document::scan::{Fault, Scanner};
 use crate::error::{Error, ErrorCode};
 
@@ -88,7 +89,7 @@ pub(super) fn parse(name: &str, bytes: &[u8]) -> Result<Statements, Error> {
 }
 
 fn parse_within(name: &str, bytes: &[u8], attribute_counts: [usize; 2]) -> Result<Statements, Error> {
-    let mut parser = Parser::new(bytes, attribute_counts);
+    let mut parser = Parser::new(name, bytes, attribute_counts);
     match parser.run() {
         Ok(()) => Ok(parser.out),
         Err((fault, statement)) => {
@@ -108,6 +109,8 @@ fn parse_within(name: &str, bytes: &[u8], attribute_counts: [usize; 2]) -> Resul
 }
 
 struct Parser<'a> {
+    /// Of the file, for places.
+    name: &'a str,
     scan: Scanner<'a>,
     /// Indices of texture coordinates and normals from here on count as absent.
     attribute_counts: [usize; 2],
@@ -129,8 +132,9 @@ struct Parser<'a> {
 type Step<T = ()> = Result<T, (Fault, &'static str)>;
 
 impl<'a> Parser<'a> {
-    fn new(bytes: &'a [u8], attribute_counts: [usize; 2]) -> Self {
+    fn new(name: &'a str, bytes: &'a [u8], attribute_counts: [usize; 2]) -> Self {
         let mut parser = Self {
+            name,
             scan: Scanner::new(bytes),
             attribute_counts,
             out: Statements::default(),
@@ -159,6 +163,12 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
+    /// Notes one more of a kind, in a line.
+    #[cold]
+    fn note(&mut self, kind: &'static Kind, line: usize) {
+        self.out.notices.count(kind, &|| format!("{}:{line}", self.name));
+    }
+
     fn statement(&mut self) -> Step {
         match self.scan.word() {
             b"v" => return self.position(),
@@ -176,7 +186,7 @@ impl<'a> Parser<'a> {
             b"mtllib" => self.material_library(),
             keyword => {
                 let line = self.scan.line();
-                self.out.notices.count(Notice::of_ignored_statement(keyword), line);
+                self.note(notice::of_ignored_statement(keyword), line);
             }
         }
         Ok(())
@@ -206,9 +216,9 @@ impl<'a> Parser<'a> {
             self.out.colors.push(rest);
         } else {
             if count == 2 {
-                self.out.notices.count(Notice::ExtraNumbers, line);
+                self.note(&notice::EXTRA_NUMBERS, line);
             } else if rest[0].to_bits() != 1.0_f32.to_bits() {
-                self.out.notices.count(Notice::VertexWeight, line);
+                self.note(&notice::VERTEX_WEIGHT, line);
             }
             if !self.out.colors.is_empty() {
                 self.out.colors.push([1.0; 4]);
@@ -226,7 +236,7 @@ impl<'a> Parser<'a> {
         self.optional_numbers(&mut rest).map_err(fail)?;
         if rest[1] != 0.0 {
             let line = self.scan.line();
-            self.out.notices.count(Notice::TextureDepth, line);
+            self.note(&notice::TEXTURE_DEPTH, line);
         }
         self.out.texcoords.push([u, rest[0]]);
         Ok(())
@@ -256,7 +266,7 @@ impl<'a> Parser<'a> {
         self.scan.skip_blanks();
         if !self.scan.is_at_line_end() {
             let line = self.scan.line();
-            self.out.notices.count(Notice::ExtraNumbers, line);
+            self.note(&notice::EXTRA_NUMBERS, line);
         }
         Ok(values.len())
     }
@@ -270,11 +280,11 @@ impl<'a> Parser<'a> {
             if self.scan.is_at_end() {
                 return Err((Fault::Missing, "f"));
             }
-            self.out.notices.count(Notice::SmallFace, line);
+            self.note(&SMALL_FACE, line);
             return Ok(());
         }
         if all != any {
-            self.out.notices.count(Notice::MixedCorners, line);
+            self.note(&notice::MIXED_CORNERS, line);
         }
         let group = match self.current_groups[usize::from(all)] {
             Some(group) => group,
@@ -308,7 +318,7 @@ impl<'a> Parser<'a> {
                 Ok(index)
             }
             Ok(_) | Err(Fault::OutOfRange) => {
-                out.notices.count(Notice::DanglingIndex, scan.line());
+                out.notices.count(&notice::DANGLING_INDEX, &|| format!("{}:{}", self.name, scan.line()));
                 Ok(ABSENT)
             }
             Err(fault) => Err(fault),
@@ -354,7 +364,7 @@ impl<'a> Parser<'a> {
             // Where there are normals, they say more than smoothing groups.
             if signature & HAS_NORMAL == 0 {
                 let line = self.scan.line();
-                self.out.notices.count(Notice::SmoothingGroups, line);
+                self.note(&notice::SMOOTHING_GROUPS, line);
             }
         }
         self.current_groups[usize::from(signature)] = Some(number);
@@ -368,7 +378,7 @@ impl<'a> Parser<'a> {
         let bytes = self.scan.rest_of_line();
         let name = String::from_utf8_lossy(&bytes);
         if matches!(name, std::borrow::Cow::Owned(_)) {
-            self.out.notices.count(Notice::NameNotUtf8, line);
+            self.note(&notice::NAME_NOT_UTF8, line);
         }
         // Control characters are no part of a name; the writer could not keep them.
         let name = name.replace(|c: char| c.is_ascii_control(), " ");

@@ -204,7 +204,7 @@ impl Reader<'_> {
                     let color = faces.color(color);
                     corners.iter_mut().for_each(|corner| corner.color = color);
                 }
-                _ => faces.notices.count("face-colors-ignored", "colours of faces left out", &place),
+                _ => faces.notices.count(&("face-colors-ignored", "colours of faces left out"), &place),
             }
             faces.polygon(&corners, &place)?;
             self.scan.finish_line();

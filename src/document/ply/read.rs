@@ -6,8 +6,14 @@ use super::{PlySource, PlyStyle, texture_of};
 use crate::document::NamedFile;
 use crate::document::faces::{Corner, Faces, color_attribute};
 use crate::document::material::{Images, Material, Materials};
+use crate::document::notice::Kind;
 use crate::error::{Error, ErrorCode, Warning};
 use crate::mesh::{Attribute, Blend};
+
+static NOT_FINITE_ATTRIBUTE: Kind =
+    ("not-finite-attribute", "values of normals, colours or texture coordinates that are no finite numbers, read as 0");
+static MIXED_CORNERS: Kind =
+    ("mixed-corners", "faces whose texture coordinates are not two for each corner; they are left out");
 
 /// What the material is called that a texture in a comment makes.
 const TEXTURE_MATERIAL: &str = "texture";
@@ -175,8 +181,7 @@ fn read_vertices(
                 if channel < NORMAL {
                     return Err(fail(cursor, Trouble::Text(crate::document::scan::Fault::NotFinite)));
                 }
-                let text = "values of normals, colours or texture coordinates that are no finite numbers, read as 0";
-                faces.notices.count("not-finite-attribute", text, &|| cursor.place(name));
+                faces.notices.count(&NOT_FINITE_ATTRIBUTE, &|| cursor.place(name));
                 value = 0.0;
             }
             values[channel] = value;
@@ -212,7 +217,7 @@ fn read_vertices(
 }
 
 fn note_extra(faces: &mut Faces, cursor: &Cursor<'_>, name: &str) {
-    faces.notices.count("extra-numbers-ignored", "lines with more numbers than they take", &|| cursor.place(name));
+    faces.notices.count(&("extra-numbers-ignored", "lines with more numbers than they take"), &|| cursor.place(name));
 }
 
 /// What each property of a face is for, by the property's number.
@@ -300,8 +305,7 @@ fn read_faces(
             let color = if has_face_colors { faces.color(color) } else { 0 };
             let has_texcoords = texcoords.len() == 2 * indices.len();
             if !has_texcoords && !texcoords.is_empty() {
-                let text = "faces whose texture coordinates are not two for each corner; they are left out";
-                faces.notices.count("mixed-corners", text, &place);
+                faces.notices.count(&MIXED_CORNERS, &place);
             }
             corners.clear();
             for (k, &index) in indices.iter().enumerate() {

@@ -4,10 +4,16 @@ use super::SmfSource;
 use super::transform::Transform;
 use crate::document::NamedFile;
 use crate::document::faces::{Corner, Faces, color_attribute};
+use crate::document::notice::{Kind, UNKNOWN_STATEMENT};
 use crate::document::place::Placement;
 use crate::document::scan::{Fault, Scanner};
 use crate::error::{Error, ErrorCode};
 use crate::mesh::{Attribute, Blend};
+
+static VALUES_IGNORED: Kind = (
+    "values-ignored",
+    "kinds of values (normals, colours or texture coordinates) that are not bound or too few left out",
+);
 
 /// Blocks within blocks beyond this are refused.
 const DEEPEST: usize = 1024;
@@ -236,14 +242,10 @@ impl<'a> Reader<'a> {
                         _ => self.block.correction - value,
                     };
                 } else {
-                    self.faces.notices.count(
-                        "unknown-statement",
-                        "statements with an unknown keyword left out",
-                        &at_line,
-                    );
+                    self.faces.notices.count(&UNKNOWN_STATEMENT, &at_line);
                 }
             }
-            _ => self.faces.notices.count("unknown-statement", "statements with an unknown keyword left out", &at_line),
+            _ => self.faces.notices.count(&UNKNOWN_STATEMENT, &at_line),
         }
         Ok(())
     }
@@ -263,7 +265,7 @@ impl<'a> Reader<'a> {
             b"r" if binding != Binding::Face => self.texcoords.binding = binding,
             _ => {
                 let at_line = || format!("{}:{line}", self.name);
-                self.faces.notices.count("unknown-binding", "bindings of another kind left out", &at_line);
+                self.faces.notices.count(&("unknown-binding", "bindings of another kind left out"), &at_line);
             }
         }
     }
@@ -306,9 +308,7 @@ impl<'a> Reader<'a> {
                 Binding::Face => face_count,
             };
             if count < wanted || count > 0 && wanted == 0 {
-                let text =
-                    "kinds of values (normals, colours or texture coordinates) that are not bound or too few left out";
-                self.faces.notices.count("values-ignored", text, &|| self.name.to_owned());
+                self.faces.notices.count(&VALUES_IGNORED, &|| self.name.to_owned());
                 *binding = Binding::None;
             } else if count == 0 {
                 *binding = Binding::None;

@@ -99,7 +99,7 @@ export function App({ state, actions, arrival }: AppProps) {
           <Samples samples={samples} onChoose={actions.openSample} />
         </Landing>
       ) : (
-        <ModelPanel state={state} model={model} actions={actions} arrival={arrival} />
+        <ModelPanel state={state} model={model} status={status} actions={actions} arrival={arrival} />
       )}
 
       <div class="messages">
@@ -119,7 +119,7 @@ export function App({ state, actions, arrival }: AppProps) {
   );
 }
 
-function ModelPanel({ state, model, actions, arrival }: AppProps & { readonly model: Model }) {
+function ModelPanel({ state, model, status, actions, arrival }: AppProps & { readonly model: Model; readonly status: string }) {
   const settled = isSettled(model);
   const outputCurrent = isOutputCurrent(state);
   const sheets = { options: t('panel.options'), details: t('panel.details') };
@@ -164,7 +164,7 @@ function ModelPanel({ state, model, actions, arrival }: AppProps & { readonly mo
         {model.credit !== '' && <p class="credit">{model.credit}</p>}
         {state.arrival !== null ? arrival : (
         <section class="panel model-panel" aria-label={t('panel.name')}>
-          {isBusy(state) && <Progress fraction={progress(state)} label={statusText(state)} onCancel={actions.cancel} />}
+          {isBusy(state) && <Progress fraction={progress(state)} label={status} onCancel={actions.cancel} />}
           <LodSlider
             value={model.wantedTriangles}
             fewest={fewestTriangles(model)}
