@@ -77,7 +77,7 @@ describe('a queue', () => {
     expect(Object.keys(unzipSync(new Uint8Array(readFileSync(await saved.path()))))).toEqual(['small.ply']);
     await dropFiles(page, [{ name: 'one.ply', bytes: plate(10) }]);
     await status(/^Ready|^Drawing/);
-    expect(await page.title()).toContain('one');
+    await expect.poll(() => page.title(), LONG).toContain('one');
     expect(await items().count()).toBe(0);
   });
 });

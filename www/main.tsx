@@ -152,8 +152,9 @@ watch(transitions.heatMapWish, (wish) => {
 watch(transitions.shownView, (settings) => view.setSettings(settings));
 watch((now) => now.paint !== null, nameCanvas);
 watch((now) => now.view.theme, (theme) => view.setTheme(applyTheme(theme)));
-watch((now) => now.model?.name, (name) => {
-  document.title = name === undefined ? 'Decimesh' : `${name} – Decimesh`;
+// Once the picture is there: for the title in its tab the browser draws the whole window anew.
+watch((now) => (now.model?.drawn === false ? null : (now.model?.name ?? '')), (name) => {
+  if (name !== null) document.title = name === '' ? 'Decimesh' : `${name} – Decimesh`;
 });
 watchSystemTheme(() => view.setTheme(applyTheme(state.peek().view.theme)));
 bindKeys(canvas, actions, (move) => view.move(move), () => state.peek());
