@@ -79,7 +79,7 @@ describe('the main job', () => {
     await drop({ name: 'again.glb', bytes: saved.bytes });
     await ready();
     expect(await wanted()).toBe(fitted);
-    expect(await page.title()).toContain('again');
+    await expect.poll(() => page.title(), LONG).toContain('again');
     expect(await page.getByRole('combobox', { name: 'Animation' }).locator('option').count()).toBe(4);
   });
 
@@ -161,7 +161,7 @@ describe('the main job', () => {
     const bytes = zipSync({ 'model/a.mtl': Buffer.from('newmtl red\nKd 1 0 0\n'), 'model/a.obj': Buffer.from(obj) });
     await drop({ name: 'triangle.zip', bytes });
     await ready();
-    expect(await page.title()).toContain('triangle');
+    await expect.poll(() => page.title(), LONG).toContain('triangle');
     expect(await page.getByRole('combobox', { name: 'File format' }).inputValue()).toBe('obj');
   });
 

@@ -7,7 +7,7 @@ import { openDocument } from 'decimesh';
 import { at } from '../scripts/project.mjs';
 import { dropFiles } from './support/browser.mjs';
 import { hills, plyOf } from './support/meshes.ts';
-import { LONG, usePages } from './support/pages.ts';
+import { LONG, sample, usePages } from './support/pages.ts';
 
 const fixture = (...path: string[]): Buffer => readFileSync(at('tests', 'fixtures', ...path));
 const plate = (size: number): Uint8Array => plyOf(hills(size));
@@ -50,6 +50,21 @@ describe('a queue', () => {
     await page.getByLabel('Choose a model').waitFor({ state: 'attached' });
   });
 
+  it('has its textures made as they were chosen, where the format can have that', async () => {
+    page = await pages.open({ path: '?texture-size=64&texture-format=webp' });
+    const helmet = sample('flight-helmet.glb');
+    await dropFiles(page, [helmet, { name: 'plate.ply', bytes: plate(10) }]);
+    await page.getByRole('radio', { name: '5 %', exact: true }).check();
+    await page.getByRole('button', { name: 'Simplify all' }).click();
+    await status(/^Done: 2 simplified, 0 failed\.$/);
+    const [saved] = await Promise.all([page.waitForEvent('download', LONG), page.getByRole('button', { name: 'Download ZIP' }).click()]);
+    const files = unzipSync(new Uint8Array(readFileSync(await saved.path())));
+    expect(Object.keys(files).sort()).toEqual(['flight-helmet.glb', 'plate.ply']);
+    const made = Buffer.from(files['flight-helmet.glb'] as Uint8Array);
+    expect(made.includes('"image/webp"')).toBe(true);
+    expect(made.length).toBeLessThan(0.15 * helmet.bytes.length);
+  });
+
   it('can be cancelled, keeps what was done, and makes room for one model', async () => {
     await open();
     await dropFiles(page, [{ name: 'small.ply', bytes: plate(10) }, { name: 'large.ply', bytes: plate(500) }, { name: 'last.ply', bytes: plate(10) }]);
@@ -62,7 +77,7 @@ describe('a queue', () => {
     expect(Object.keys(unzipSync(new Uint8Array(readFileSync(await saved.path()))))).toEqual(['small.ply']);
     await dropFiles(page, [{ name: 'one.ply', bytes: plate(10) }]);
     await status(/^Ready|^Drawing/);
-    expect(await page.title()).toContain('one');
+    await expect.poll(() => page.title(), LONG).toContain('one');
     expect(await items().count()).toBe(0);
   });
 });

@@ -79,7 +79,7 @@ it('opens, simplifies and saves without a network after the first visit, compres
   expect(readFileSync(await saved.path()).length).toBeLessThan(nefertiti.bytes.length);
   await dropFiles(page, draco);
   await ready();
-  expect(await page.title()).toContain('BoxDraco');
+  await expect.poll(() => page.title(), LONG).toContain('BoxDraco');
 });
 
 it('offers a new version, and loads it only when that is wanted', async () => {
@@ -122,7 +122,7 @@ it('opens what another program shares with it, once', async () => {
     form.submit();
   }, nefertiti.bytes.toString('base64'));
   await ready();
-  expect(await page.title()).toContain('größe 1');
+  await expect.poll(() => page.title(), LONG).toContain('größe 1');
   expect(new URL(page.url()).searchParams.has('shared')).toBe(false);
   await page.goto(`${pages.url}?shared`);
   await page.getByRole('heading', { level: 1 }).waitFor();
@@ -139,7 +139,7 @@ it('opens a pasted file, and a pasted address', async () => {
     }, [kind, content] as const);
   await paste('file', nefertiti.bytes.toString('base64'));
   await ready();
-  expect(await page.title()).toContain('pasted');
+  await expect.poll(() => page.title(), LONG).toContain('pasted');
   await paste('address', `${pages.url}assets/nothing.glb`);
   await page.getByRole('alert').filter({ hasText: 'cannot-read' }).waitFor();
   pages.forgive('404');

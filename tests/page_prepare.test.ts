@@ -25,6 +25,11 @@ afterAll(() => served.close());
 
 it.each(['page', 'worker'])('become WebP of the size asked for, in the %s', async (place) => {
   const page = await served.browser.newPage();
+  const problems: string[] = [];
+  page.on('console', (message) => {
+    if (message.type() === 'error') problems.push(message.text());
+  });
+  page.on('pageerror', (error) => problems.push(String(error)));
   await page.route('**/blank.html', (route) => route.fulfill({ contentType: 'text/html', body: PAGE }));
   await page.goto(`${served.url}blank.html`);
   const model = readFileSync(at('www', 'samples', 'flight-helmet.glb')).toString('base64');
@@ -47,4 +52,5 @@ it.each(['page', 'worker'])('become WebP of the size asked for, in the %s', asyn
   expect(await gltfErrors(bytes)).toEqual([]);
   expect(Buffer.from(bytes).includes('"image/webp"')).toBe(true);
   await page.close();
+  expect(problems).toEqual([]);
 });

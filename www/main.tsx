@@ -71,7 +71,7 @@ const client = createWorkerClient();
 const session = new Session(store, client, view, layOut);
 const batch = new Batch(store, client);
 
-const dockObserver = new ResizeObserver(() => view.setInsets(insetsOf(host)));
+const dockObserver = new ResizeObserver(() => tellInsets(host));
 dockObserver.observe(canvas);
 
 const actions: Actions = {
@@ -120,6 +120,8 @@ let arrival: Arrival | null = null;
 let addressTimer: ReturnType<typeof setTimeout> | undefined;
 /** Milliseconds that a level has been on screen for before it is measured for the heat map. */
 const HEAT_PAUSE = 400;
+/** Milliseconds that the hint where to let go stays at most when that has been done. */
+const HINT_TIME = 400;
 let heatTimer: ReturnType<typeof setTimeout> | undefined;
 let loadUpdate = (): void => {};
 let drawing = false;
@@ -141,7 +143,7 @@ watch(transitions.everyWish, () => {
   rememberChoices(transitions.choicesOf(state.peek()));
   keepAddressLater();
 });
-watch((now) => `${now.sheet} ${now.paint !== null}`, () => requestAnimationFrame(() => view.setInsets(insetsOf(host))));
+watch((now) => `${now.sheet} ${now.paint !== null}`, () => requestAnimationFrame(() => tellInsets(host)));
 // Another model has taken the place of the one that was arriving.
 watch((now) => now.arrival === null, (gone) => gone && arrival?.stop());
 watch(transitions.heatMapWish, (wish) => {
@@ -152,8 +154,9 @@ watch(transitions.heatMapWish, (wish) => {
 watch(transitions.shownView, (settings) => view.setSettings(settings));
 watch((now) => now.paint !== null, nameCanvas);
 watch((now) => now.view.theme, (theme) => view.setTheme(applyTheme(theme)));
-watch((now) => now.model?.name, (name) => {
-  document.title = name === undefined ? 'Decimesh' : `${name} – Decimesh`;
+// Once the picture is there: for the title in its tab the browser draws the whole window anew.
+watch((now) => (now.model?.drawn === false ? null : (now.model?.name ?? '')), (name) => {
+  if (name !== null) document.title = name === '' ? 'Decimesh' : `${name} – Decimesh`;
 });
 watchSystemTheme(() => view.setTheme(applyTheme(state.peek().view.theme)));
 bindKeys(canvas, actions, (move) => view.move(move), () => state.peek());
@@ -300,7 +303,7 @@ function isSame(before: unknown, now: unknown): boolean {
 /** Tells the view at once what of it is free, with the state as it is now drawn: an observer tells with the next frame. */
 async function layOut(): Promise<void> {
   await drawn;
-  if (host !== null) view.setInsets(insetsOf(host));
+  if (host !== null) tellInsets(host);
 }
 
 /** Sees to it that a dock that has come or gone is known; a ResizeObserver tells when its size has settled. */
@@ -310,6 +313,13 @@ function observeDock(page: HTMLElement): void {
   if (observedDock !== null) dockObserver.unobserve(observedDock);
   if (dock !== null) dockObserver.observe(dock);
   observedDock = dock;
+}
+
+function tellInsets(page: HTMLElement): void {
+  const insets = insetsOf(page);
+  // The model does not move, and is not drawn again, for the line that says how far the work is.
+  const line = page.querySelector('.model-panel > .progress')?.getBoundingClientRect().height ?? 0;
+  view.setInsets(insets, { ...insets, bottom: Math.max(insets.bottom - line, 0) });
 }
 
 /** What panels cover of the view, as they mark it themselves. */
@@ -353,13 +363,23 @@ function bindPaste(): void {
 function bindDrop(): void {
   // Entering a child fires before leaving its parent.
   let depth = 0;
+  let dropped = false;
   const carriesFiles = (event: DragEvent): boolean => event.dataTransfer?.types.includes('Files') ?? false;
   const set = (to: number): void => {
     depth = Math.max(to, 0);
     update((now) => transitions.draggingChanged(now, depth > 0));
   };
+  // Where to let go is said until there is something else to see, or nothing for long: between the two the page would be
+  // painted once more, which without a graphics card is the processor's work and delays the picture.
+  const shown = (): void => {
+    if (dropped) set(0);
+    dropped = false;
+  };
+  watch((now) => [now.model?.drawn === false, now.notice !== null, now.batch !== null].join(), shown);
   addEventListener('dragenter', (event) => {
-    if (carriesFiles(event)) set(depth + 1);
+    if (!carriesFiles(event)) return;
+    shown();
+    set(depth + 1);
   });
   addEventListener('dragleave', (event) => {
     if (carriesFiles(event)) set(depth - 1);
@@ -372,7 +392,8 @@ function bindDrop(): void {
   addEventListener('drop', (event) => {
     if (!carriesFiles(event) || event.dataTransfer === null) return;
     event.preventDefault();
-    set(0);
+    dropped = true;
+    setTimeout(shown, HINT_TIME);
     void filesOfDrop(event.dataTransfer).then(
       openFiles,
       (error: unknown) => update((now) => transitions.failed(now, { ...describeError(error), code: 'cannot-read' })),

@@ -1,7 +1,7 @@
-// What is alive on the JavaScript heaps of a page and its workers, without what the engine compiles of the code.
+// What is alive on the JavaScript heaps of a page and its workers, and apart from it what the engine compiles of the code.
 // Functions that run often are compiled again and better, round after round: that grows and is not given back soon.
 
-/** Resolves to a function that collects garbage and resolves to the bytes alive on all heaps, arrays' contents included. */
+/** Resolves to a function that collects garbage and resolves to the bytes alive on all heaps, arrays' contents included: `code`, what was compiled, and `rest`. */
 export async function heapMeter(page) {
   const session = await page.context().newCDPSession(page);
   const heaps = [heapOf((method, params) => session.send(method, params), (event, act) => session.on(event, act))];
@@ -10,8 +10,12 @@ export async function heapMeter(page) {
   });
   await session.send('Target.setAutoAttach', { autoAttach: true, waitForDebuggerOnStart: false, flatten: false });
   return async () => {
-    let total = 0;
-    for (const measure of heaps) total += await measure();
+    const total = { code: 0, rest: 0 };
+    for (const measure of heaps) {
+      const { code, rest } = await measure();
+      total.code += code;
+      total.rest += rest;
+    }
     return total;
   };
 }
@@ -50,8 +54,8 @@ function heapOf(send, on) {
     chunks = [];
     const [width, type, size] = [meta.node_fields.length, meta.node_fields.indexOf('type'), meta.node_fields.indexOf('self_size')];
     const code = meta.node_types[type].indexOf('code');
-    let bytes = 0;
-    for (let node = 0; node < nodes.length; node += width) if (nodes[node + type] !== code) bytes += nodes[node + size];
+    const bytes = { code: 0, rest: 0 };
+    for (let node = 0; node < nodes.length; node += width) bytes[nodes[node + type] === code ? 'code' : 'rest'] += nodes[node + size];
     return bytes;
   };
 }

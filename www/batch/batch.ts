@@ -31,14 +31,14 @@ export class Batch {
 
   /** Simplifies all of them. */
   async start(): Promise<void> {
-    const { batch, quality, run } = this.store.value;
+    const { batch, quality, run, preparation } = this.store.value;
     if (batch === null || this.running !== null) return;
     const running = new AbortController();
     this.running = running;
     this.made = [];
     this.store.update((state) => transitions.remarked(transitions.batchChanged(state, batchStarted), t('batch.running')));
     const { models } = this;
-    const made = await runBatch(this.client, models, { share: batch.share, quality, run }, {
+    const made = await runBatch(this.client, models, { share: batch.share, quality, run, preparation }, {
       signal: running.signal,
       onResult: (index, result) => {
         if (this.running === running) this.store.update((state) => transitions.batchChanged(state, (now) => resultChanged(now, index, result)));

@@ -5,13 +5,16 @@ import { simplifyOptions } from '../wishes.ts';
 import { blobOf, isOutputFormat } from '../formats.ts';
 import type { Quality } from '../formats.ts';
 import type { RunSettings } from '../choices.ts';
+import { prepareOptions } from '../preparation.ts';
+import type { Preparation } from '../preparation.ts';
 import type { BatchResult } from './batch_state.ts';
 
-/** How each model is simplified. */
+/** How each model is simplified, and what else is done to its file. */
 export interface BatchSettings {
   readonly share: number;
   readonly quality: Quality;
   readonly run: RunSettings;
+  readonly preparation: Preparation;
 }
 
 /** A finished file under its path in the zip. */
@@ -27,7 +30,7 @@ export interface BatchFile {
 export async function runBatch(
   client: WorkerClient,
   models: ReadonlyArray<{ readonly name: string; readonly files: readonly File[] }>,
-  { share, quality, run }: BatchSettings,
+  { share, quality, run, preparation }: BatchSettings,
   { signal, onResult }: { readonly signal: AbortSignal; onResult(index: number, result: BatchResult): void },
 ): Promise<BatchFile[]> {
   const done: BatchFile[] = [];
@@ -46,7 +49,7 @@ export async function runBatch(
         onProgress: (fraction) => onResult(index, { kind: 'running', fraction }),
       });
       const format = isOutputFormat(summary.format) ? summary.format : 'glb';
-      const { bytes, report } = await document.write({ format });
+      const { bytes, report } = await document.write({ format, ...prepareOptions(format, preparation) });
       signal.throwIfAborted();
       const fileName = unusedName(name.replace(/\.[^./]+$/, ''), format, taken);
       done.push({ name: fileName, blob: blobOf(bytes, format) });

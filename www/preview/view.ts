@@ -39,6 +39,9 @@ export class View {
   private requests = 0;
   private lastId = 0;
   private insets: Insets = { top: 0, right: 0, bottom: 0, left: 0 };
+  private margins: Insets = this.insets;
+  /** What was set last, as text. */
+  private settings = '';
   private moves: CameraMove[] = [];
   private readonly events: ViewEvents;
   private readonly canvas: HTMLCanvasElement;
@@ -103,12 +106,14 @@ export class View {
     this.post({ type: 'deviation', wedgeSets, limit }, buffers);
   }
 
-  setSettings(settings: ViewSettings): void {
-    const { surface, wireframe, edgeClasses, playing, animation, comparing, layout, split, turntable, lamp, morphs } = settings;
-    this.post({
-      type: 'settings',
-      settings: { surface, wireframe, edgeClasses, playing, animation, comparing, layout, split, turntable, lamp, morphs },
-    });
+  setSettings(given: ViewSettings): void {
+    const { surface, wireframe, edgeClasses, playing, animation, comparing, layout, split, turntable, lamp, morphs } = given;
+    const settings = { surface, wireframe, edgeClasses, playing, animation, comparing, layout, split, turntable, lamp, morphs };
+    // What changes nothing is not drawn: another model has often just the settings of the one before.
+    const key = JSON.stringify(settings);
+    if (key === this.settings) return;
+    this.settings = key;
+    this.post({ type: 'settings', settings });
   }
 
   /** Paints on the original; arrays in it are transferred. */
@@ -125,12 +130,14 @@ export class View {
     this.post({ type: 'theme', theme });
   }
 
-  /** Pixels of the canvas that panels cover; the model is centred in the rest. */
-  setInsets(insets: Insets): void {
-    const { top, right, bottom, left } = this.insets;
-    if (insets.top === top && insets.right === right && insets.bottom === bottom && insets.left === left) return;
-    this.insets = insets;
-    this.events.onInsets(insets);
+  /** Pixels of the canvas that panels cover, and within which margins the model is centred. */
+  setInsets(insets: Insets, margins: Insets): void {
+    if (!sameInsets(insets, this.insets)) {
+      this.insets = insets;
+      this.events.onInsets(insets);
+    }
+    if (sameInsets(margins, this.margins)) return;
+    this.margins = margins;
     this.resize();
   }
 
@@ -225,7 +232,7 @@ export class View {
 
   private resize(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas;
-    this.post({ type: 'resize', size: { width, height, pixelRatio: devicePixelRatio }, insets: this.insets });
+    this.post({ type: 'resize', size: { width, height, pixelRatio: devicePixelRatio }, insets: this.margins });
   }
 
   private watchSize(): void {
@@ -247,6 +254,9 @@ export class View {
     matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener('change', changed, { once: true });
   }
 }
+
+const sameInsets = (one: Insets, other: Insets): boolean =>
+  one.top === other.top && one.right === other.right && one.bottom === other.bottom && one.left === other.left;
 
 /** A plain GLB that the view has parsed, and what it says of itself. */
 export interface PlainModel extends PlainFile {

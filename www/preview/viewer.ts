@@ -218,8 +218,14 @@ export class Viewer {
   }
 
   resize(size: ViewSize, insets: Insets): void {
+    const before = this.size;
     this.size = size;
     this.insets = insets;
+    if (size.width === before.width && size.height === before.height && size.pixelRatio === before.pixelRatio) {
+      this.arrange();
+      this.invalidate();
+      return;
+    }
     this.renderer.setPixelRatio(Math.min(size.pixelRatio, PIXEL_RATIO_LIMIT));
     this.renderer.setSize(size.width, size.height, false);
     this.arrange();
