@@ -33,6 +33,7 @@ mod quadric;
 mod record;
 mod sheets;
 mod space;
+mod thinning;
 mod topology;
 mod vertex_kind;
 
@@ -54,6 +55,7 @@ use prepare::{Preparation, Welded};
 use protection::Protection;
 use record::Record;
 use space::Space;
+use thinning::Thinning;
 use topology::Topology;
 use vertex_kind::{Freedom, VertexKind};
 
@@ -227,6 +229,9 @@ enum Stage {
     Fans,
     Rings(usize),
     Attributes(usize),
+    Thin,
+    /// After thinning: quadrics and first keys.
+    Quadrics(usize),
     Sweep,
     /// After a sweep that did not reach its target: the next vertex whose edges are looked at.
     Blockers(usize),
@@ -240,6 +245,7 @@ pub struct Simplifier {
     options: SimplifyOptions,
     stage: Stage,
     preparation: Preparation,
+    thinning: Thinning,
     topology: Topology,
     polylines: Polylines,
     wedge_of_vertex: Vec<u32>,
@@ -311,6 +317,7 @@ impl Simplifier {
             options: options.clone(),
             stage: Stage::Weld,
             preparation: Preparation::default(),
+            thinning: Thinning::default(),
             topology: Topology::default(),
             polylines: Polylines::default(),
             wedge_of_vertex: Vec::new(),
@@ -368,8 +375,9 @@ impl Simplifier {
                 let count = self.topology.vertices.len();
                 let range = part(first, count);
                 self.stage = if range.end == count { Stage::Sweep } else { Stage::Rings(range.end) };
+                let bare = self.may_thin(mesh);
                 let Self { preparation, topology, polylines, keys, options, .. } = self;
-                preparation.build_rings(range, topology, polylines, keys, options.lock_border);
+                preparation.build_rings(range, topology, polylines, keys, (options.lock_border, bare));
                 if self.stage == Stage::Sweep {
                     self.begin_sweep(mesh);
                 }
@@ -381,6 +389,17 @@ impl Simplifier {
                 if let Some(attributes) = &mut self.attributes {
                     range.for_each(|v| attributes.take_up(&self.topology, v as u32));
                 }
+            }
+            Stage::Thin => {
+                if self.thin(mesh, work) {
+                    self.end_thinning();
+                }
+            }
+            Stage::Quadrics(first) => {
+                let count = self.topology.vertices.len();
+                let range = part(first, count);
+                self.stage = if range.end == count { Stage::Sweep } else { Stage::Quadrics(range.end) };
+                self.take_quadrics(range);
             }
             Stage::Sweep => self.sweep(mesh, work),
             Stage::Blockers(first) => {
@@ -420,6 +439,8 @@ impl Simplifier {
             Stage::Fans => 0.08,
             Stage::Rings(done) => 0.1 + 0.15 * done as f32 / vertices,
             Stage::Attributes(done) => 0.25 + 0.05 * done as f32 / vertices,
+            Stage::Thin => 0.3,
+            Stage::Quadrics(_) => 0.5,
             Stage::Sweep => {
                 let all = self.initial_triangle_count.max(1);
                 let gone = all - self.topology.live_triangle_count;
@@ -536,6 +557,10 @@ impl Simplifier {
         self.near =
             self.options.placement == PlacementRule::Optimal && self.attributes.is_none() && self.pairs.is_empty();
         self.contracting = self.tuning().contract_below > 0.0 && self.contracts();
+        if self.may_thin(mesh) {
+            self.begin_thinning();
+            self.stage = Stage::Thin;
+        }
     }
 
     /// Takes up the attributes that count, if there are any.
