@@ -98,6 +98,10 @@ pub enum Preset {
 /// What a preset stands for.
 #[derive(Debug, Clone, Copy)]
 struct Tuning {
+    /// Before the sweep, vertices go by half-edges down to so many times the target's triangles; 0: none.
+    thin_above: f32,
+    /// Share of the vertices that are below the threshold of such a sweep.
+    thin_share: f32,
     /// Octaves of the cost from one threshold to the next. 1, 2, 3 and 4 give the same error within
     /// 1 %, and 4 takes a quarter less work than 1: fewer visits are in vain.
     octaves: i32,
@@ -120,6 +124,8 @@ impl Preset {
     fn tuning(self) -> Tuning {
         match self {
             Self::Fast => Tuning {
+                thin_above: 1.75,
+                thin_share: 0.75,
                 octaves: 4,
                 contract_below: 4.0,
                 contract_above: 1,
@@ -129,6 +135,8 @@ impl Preset {
                 fit_above: 1,
             },
             Self::Balanced => Tuning {
+                thin_above: 10.0,
+                thin_share: 0.4,
                 octaves: 3,
                 contract_below: 0.0,
                 contract_above: 4,
@@ -138,6 +146,8 @@ impl Preset {
                 fit_above: 3,
             },
             Self::Best => Tuning {
+                thin_above: 0.0,
+                thin_share: 0.0,
                 octaves: 1,
                 contract_below: 0.0,
                 contract_above: 0,
@@ -230,7 +240,7 @@ enum Stage {
     Rings(usize),
     Attributes(usize),
     Thin,
-    /// After thinning: quadrics and first keys.
+    /// After thinning: quadrics and first keys from this vertex on.
     Quadrics(usize),
     Sweep,
     /// After a sweep that did not reach its target: the next vertex whose edges are looked at.
@@ -245,6 +255,8 @@ pub struct Simplifier {
     options: SimplifyOptions,
     stage: Stage,
     preparation: Preparation,
+    /// Triangles that thinning is to leave; none if it is left out.
+    thinning_goal: Option<usize>,
     thinning: Thinning,
     topology: Topology,
     polylines: Polylines,
@@ -317,6 +329,7 @@ impl Simplifier {
             options: options.clone(),
             stage: Stage::Weld,
             preparation: Preparation::default(),
+            thinning_goal: None,
             thinning: Thinning::default(),
             topology: Topology::default(),
             polylines: Polylines::default(),
@@ -375,7 +388,7 @@ impl Simplifier {
                 let count = self.topology.vertices.len();
                 let range = part(first, count);
                 self.stage = if range.end == count { Stage::Sweep } else { Stage::Rings(range.end) };
-                let bare = self.may_thin(mesh);
+                let bare = self.thinning_goal.is_some();
                 let Self { preparation, topology, polylines, keys, options, .. } = self;
                 preparation.build_rings(range, topology, polylines, keys, (options.lock_border, bare));
                 if self.stage == Stage::Sweep {
@@ -439,9 +452,7 @@ impl Simplifier {
             Stage::Fans => 0.08,
             Stage::Rings(done) => 0.1 + 0.15 * done as f32 / vertices,
             Stage::Attributes(done) => 0.25 + 0.05 * done as f32 / vertices,
-            Stage::Thin => 0.3,
-            Stage::Quadrics(_) => 0.5,
-            Stage::Sweep => {
+            Stage::Thin | Stage::Quadrics(_) | Stage::Sweep => {
                 let all = self.initial_triangle_count.max(1);
                 let gone = all - self.topology.live_triangle_count;
                 let wanted = all.saturating_sub(self.options.target_triangle_count).max(1);
@@ -534,6 +545,7 @@ impl Simplifier {
         let vertex_count = self.wedge_of_vertex.len();
         self.keys = vec![f32::INFINITY; vertex_count];
         self.record = Record::new(self.initial_triangle_count, 0, 0, false);
+        self.thinning_goal = self.thinning_goal(mesh);
     }
 
     /// When the rings are there, what they were made from goes, and only then comes what the sweep needs.
@@ -557,8 +569,8 @@ impl Simplifier {
         self.near =
             self.options.placement == PlacementRule::Optimal && self.attributes.is_none() && self.pairs.is_empty();
         self.contracting = self.tuning().contract_below > 0.0 && self.contracts();
-        if self.may_thin(mesh) {
-            self.begin_thinning();
+        if let Some(goal) = self.thinning_goal {
+            self.begin_thinning(goal);
             self.stage = Stage::Thin;
         }
     }

@@ -14,7 +14,7 @@ use super::legality;
 use super::quadric::{QuadricLanes, Vec3, larger, smaller};
 use super::topology::{NONE, Vertex};
 use super::vertex_kind::VertexKind;
-use super::{Collapse, Layout, PlacementRule, Preset, Simplifier, Stage, StopReason, prepare};
+use super::{Collapse, Layout, PlacementRule, Simplifier, Stage, StopReason, prepare};
 use crate::mesh::Mesh;
 
 /// Fewest and most triangles at a vertex that vanishes.
@@ -30,36 +30,45 @@ const OTHER: f32 = 1024.0;
 /// A vertex whose every neighbour would get too many triangles waits for so many times the threshold.
 const BLOCKED: f32 = 4.0;
 
-#[cfg(not(target_arch = "wasm32"))]
-macro_rules! knob {
-    ($name:expr, $default:expr) => {{
-        static VALUE: std::sync::OnceLock<f32> = std::sync::OnceLock::new();
-        *VALUE.get_or_init(|| std::env::var($name).ok().and_then(|v| v.parse().ok()).unwrap_or($default))
-    }};
-}
-#[cfg(target_arch = "wasm32")]
-macro_rules! knob {
-    ($name:expr, $default:expr) => {{ $default }};
-}
+/// Fewest triangles that are left, so that small targets are the sweep's: 3,000 take it two milliseconds.
+const LEAST_GOAL: usize = 3000;
+
+/// Where so large a share of the triangles would be left anyway, a run without a fit is thinned down to its target.
+const WHOLLY_FROM: f64 = 0.7;
+
+/// Costs that the threshold is a quantile of.
+const SAMPLES: usize = 1024;
+
+/// When less than this share of the vertices is to go, just as many are visited as that takes, all over the mesh.
+const LAST_SHARE: f32 = 0.125;
+
+/// A threshold that this share of the vertices is below takes about three quarters of them away.
+const LAST_QUANTILE: f32 = 0.6;
+
+/// What is added to the diagonal of a quadric, by its trace: on a plane the shortest edge goes.
+const REGULARISATION: f32 = 1e-6;
+
+/// How many merges are recorded together.
+const BATCH: usize = 1024;
 
 /// Where thinning stands.
 #[derive(Debug, Default)]
 pub(super) struct Thinning {
     /// Triangles that are to be left.
     goal: usize,
-    /// The next in the list of the living.
+    /// The next in the list of those that may go.
     next: usize,
+    /// How many vertices the last sweep took away.
     removed: usize,
     /// How many it was to be about.
     hoped: usize,
-    sweeps: usize,
     /// Merges that are not recorded yet: which vertex into which, and the squared error there.
     merges: Vec<(u32, u32, f32)>,
     /// By vertex its position, and how many triangles there are if they are few and go around it; 0 if it is gone.
     stars: Vec<Lanes>,
     /// Squared errors.
     errors: Vec<f32>,
-    /// Every how many of the living are visited in this sweep.
+    /// Every how many of the list are visited in this sweep.
     stride: usize,
 }
 
@@ -67,48 +76,48 @@ pub(super) struct Thinning {
 struct Star {
     ring: [u32; MOST_RING],
     length: usize,
+    /// The neighbours from the vertex.
     offsets: [Lanes3; 2],
+    /// Area vectors of the triangles behind them.
     areas: [Lanes3; 2],
+    /// How many triangles the neighbours have.
     triangles: [Lanes; 2],
 }
 
-/// Where a vertex goes.
+/// Where a vertex would go.
 struct Choice {
+    /// Slot of the neighbour.
     slot: usize,
     cost: f32,
+    /// Sum of the areas around.
     weight: f32,
 }
 
 impl Simplifier {
-    /// Whether this run is thinned.
-    pub(super) fn may_thin(&self, mesh: &Mesh) -> bool {
-        let options = &self.options;
-        !self.topology.has_wedges()
+    /// How many triangles thinning leaves; none if this run is not thinned. Only where positions are all there is, and
+    /// only the end matters.
+    pub(super) fn thinning_goal(&self, mesh: &Mesh) -> Option<usize> {
+        let (options, tuning, count) = (&self.options, self.tuning(), self.initial_triangle_count);
+        let target = options.target_triangle_count;
+        let plain = !self.topology.has_wedges()
             && !options.every_level
             && !options.prune
             && options.max_error == f32::INFINITY
             && options.merge_distance == 0.0
             && options.placement == PlacementRule::Optimal
-            && options.weights.is_empty()
-            && options.target_triangle_count > 0
-            && self.thinning_goal() < self.initial_triangle_count
-            && Layout::new(mesh, &options.attribute_weights, |_| 1.0).is_none()
-    }
-
-    pub(super) fn thinning_goal(&self) -> usize {
-        let factor = match self.options.preset {
-            Preset::Fast => knob!("THIN", 2.0),
-            Preset::Balanced => knob!("THIN", 6.0),
-            Preset::Best => knob!("THIN", 1e9),
-        };
-        let goal = (self.options.target_triangle_count as f64 * f64::from(factor)) as usize;
-        if (goal as f32) > knob!("CLOSE", 0.7) * self.initial_triangle_count as f32 && self.options.preset == Preset::Fast && self.options.target_triangle_count > 3000 {
-            return self.options.target_triangle_count;
+            && options.weights.is_empty();
+        if !plain || tuning.thin_above == 0.0 || target == 0 {
+            return None;
         }
-        goal.max(knob!("FLOOR", 3000.0) as usize).max(self.options.target_triangle_count)
+        let wanted = target as f64 * f64::from(tuning.thin_above);
+        let wholly = tuning.fit_rounds == 0 && wanted > WHOLLY_FROM * count as f64;
+        let goal = if wholly { target } else { wanted as usize }.max(LEAST_GOAL);
+        // What attributes say is the sweep's business.
+        (goal < count && Layout::new(mesh, &options.attribute_weights, |_| 1.0).is_none()).then_some(goal)
     }
 
-    pub(super) fn begin_thinning(&mut self) {
+    /// Takes up the rings.
+    pub(super) fn begin_thinning(&mut self, goal: usize) {
         let topology = &self.topology;
         let star = |(v, vertex): (u32, &Vertex)| {
             let Vec3 { x, y, z } = vertex.position();
@@ -116,13 +125,8 @@ impl Simplifier {
             Lanes::new([x, y, z, if is_plain { vertex.ring_length() as f32 } else { OTHER }])
         };
         let stars = (0..).zip(&topology.vertices).map(star).collect();
-        self.thinning = Thinning {
-            goal: self.thinning_goal(),
-            next: self.live.len(),
-            stars,
-            errors: vec![0.0; self.live.len()],
-            ..Thinning::default()
-        };
+        self.thinning =
+            Thinning { goal, next: self.live.len(), stars, errors: vec![0.0; self.live.len()], ..Thinning::default() };
         self.keys.fill(0.0);
     }
 
@@ -150,10 +154,11 @@ impl Simplifier {
 
     /// Quadrics and first keys of what lives in the range.
     pub(super) fn take_quadrics(&mut self, range: Range<usize>) {
-        let Self { topology, polylines, keys, .. } = self;
+        let Self { topology, polylines, keys, patch, .. } = self;
         let mut corners = Vec::new();
         for v in range {
             if topology.vertices[v].ring_length() > 0 {
+                topology.refresh(v as u32, &mut patch.builder);
                 prepare::take_quadric(topology, polylines, keys, v as u32, &mut corners);
             }
         }
@@ -161,12 +166,31 @@ impl Simplifier {
 
     /// Does about `work` units; true when it is done.
     pub(super) fn thin(&mut self, mesh: &Mesh, work: usize) -> bool {
-        let over = self.thin_on(work);
+        let mut left = work;
+        let mut done = false;
+        while left > 0 && !done {
+            if self.topology.live_triangle_count <= self.thinning.goal {
+                done = true;
+            } else if self.thinning.next < self.live.len() {
+                let v = self.live[self.thinning.next];
+                self.thinning.next += self.thinning.stride;
+                if self.keys[v as usize] <= self.threshold {
+                    left -= 1;
+                    self.visit_star(v);
+                    if self.thinning.merges.len() == BATCH {
+                        self.record_merges(mesh);
+                    }
+                }
+            } else {
+                left = left.saturating_sub(1 + self.live.len() / 16);
+                done = !self.begin_thinning_sweep();
+            }
+        }
         self.record_merges(mesh);
-        over
+        done
     }
 
-    /// All together, because that is quicker than each where it is done.
+    /// Many together, because that is quicker than each where it is done.
     fn record_merges(&mut self, mesh: &Mesh) {
         let mut left = self.topology.live_triangle_count + 2 * self.thinning.merges.len();
         for &(from, into, error_squared) in &self.thinning.merges {
@@ -184,38 +208,15 @@ impl Simplifier {
         self.thinning.merges.clear();
     }
 
-    fn thin_on(&mut self, work: usize) -> bool {
-        let mut left = work;
-        while left > 0 {
-            if self.topology.live_triangle_count <= self.thinning.goal {
-                return true;
-            }
-            if self.thinning.next >= self.live.len() {
-                left = left.saturating_sub(self.live.len() / 16);
-                if !self.begin_thinning_sweep() {
-                    return true;
-                }
-                continue;
-            }
-            let v = self.live[self.thinning.next];
-            self.thinning.next += self.thinning.stride;
-            if self.keys[v as usize] <= self.threshold {
-                left = left.saturating_sub(1);
-                self.visit_thinning(v);
-            }
-        }
-        false
-    }
-
     /// The next threshold; false if there is no more to be had.
     fn begin_thinning_sweep(&mut self) -> bool {
         let Self { live, keys, .. } = self;
         live.retain(|&v| keys[v as usize] < f32::INFINITY);
         let count = self.live.len();
-        if count == 0 || self.thinning.sweeps > 0 && self.thinning.removed * 8 < self.thinning.hoped || self.thinning.sweeps > 100 {
+        if self.thinning.removed * 8 < self.thinning.hoped {
             return false;
         }
-        let stride = (count / 1024).max(8);
+        let stride = (count / SAMPLES).max(8);
         let mut costs = Vec::with_capacity(count / stride + 1);
         for at in (0..count).step_by(stride) {
             let cost = self.star(self.live[at]).map(|star| star.choose().cost);
@@ -224,29 +225,25 @@ impl Simplifier {
         if costs.is_empty() {
             return false;
         }
-        let missing = (self.topology.live_triangle_count - self.thinning.goal) / 2;
-        let tail = missing * 12 < count;
-        self.thinning.stride = if tail { count / (2 * missing + 16) } else { 1 }.max(1);
-        let share = if tail { 0.6 } else { smaller(knob!("RATE", 0.6), missing as f32 / count as f32 * knob!("LASTRATE", 1.3) + 0.01) };
         costs.sort_unstable_by(f32::total_cmp);
+        let missing = (self.topology.live_triangle_count - self.thinning.goal).div_ceil(2);
+        let left = missing as f32 / count as f32;
+        let share = if left < LAST_SHARE {
+            self.thinning.stride = (count / (2 * missing + 16)).max(1);
+            LAST_QUANTILE
+        } else {
+            self.thinning.stride = 1;
+            smaller(self.tuning().thin_share, left * 1.3)
+        };
         let at = ((costs.len() as f32 * share) as usize).min(costs.len() - 1);
         self.threshold = costs[at];
-        if knob!("VERBOSE", 0.0) > 0.0 {
-            eprintln!(
-                "sweep {} live {count} removed {} share {share} threshold {:e} of {:e}",
-                self.thinning.sweeps,
-                self.thinning.removed,
-                self.threshold,
-                costs[costs.len() - 1]
-            );
-        }
         self.thinning.removed = 0;
         self.thinning.hoped = missing.min((share * count as f32) as usize);
-        self.thinning.sweeps += 1;
         self.thinning.next = 0;
         true
     }
 
+    /// The vertex and what is around it, if it may go.
     #[inline(always)]
     fn star(&mut self, v: u32) -> Option<Star> {
         let Self { topology, thinning, .. } = self;
@@ -272,8 +269,9 @@ impl Simplifier {
         Some(Star { ring, length, offsets: [low, high], areas, triangles: [at_low, at_high] })
     }
 
+    /// Merges `v` if that costs less than the threshold; otherwise gives it a key.
     #[inline(always)]
-    fn visit_thinning(&mut self, v: u32) {
+    fn visit_star(&mut self, v: u32) {
         let Some(star) = self.star(v) else {
             // A vertex with three triangles may have more some day.
             if !(1.0..=MOST).contains(&self.thinning.stars[v as usize].lane::<3>()) {
@@ -284,14 +282,14 @@ impl Simplifier {
         let choice = star.choose();
         if choice.cost > self.threshold {
             self.keys[v as usize] = smaller(choice.cost, BLOCKED * self.threshold);
-        } else if !self.merge_thinning(v, &star, &choice) {
+        } else if !self.merge_star(v, &star, &choice) {
             self.keys[v as usize] = 2.0 * self.threshold;
         }
     }
 
     /// Merges `v` into the chosen neighbour if that is legal.
     #[inline(always)]
-    fn merge_thinning(&mut self, v: u32, star: &Star, choice: &Choice) -> bool {
+    fn merge_star(&mut self, v: u32, star: &Star, choice: &Choice) -> bool {
         let Self { topology, patch, keys, thinning, .. } = self;
         let (slot, length) = (choice.slot, star.length);
         let into = star.ring[slot];
@@ -375,7 +373,7 @@ impl Star {
         let [a, b, c, d] = Lanes::transpose([q0.yz + q1.yz, q0.zz + q1.zz, zero, zero]);
         let [yz, zz, _, _] = ((a + b) + (c + d)).to_array();
         let weight = xx + yy + zz;
-        let ridge = weight * knob!("RIDGE", 2e-6);
+        let ridge = weight * REGULARISATION;
         let s = Lanes::splat;
         let quadric = QuadricLanes {
             xx: s(xx + ridge),
@@ -429,8 +427,7 @@ impl Star {
         {
             let (p, q, opposite) = (near - to, far - to, far - near);
             let longest = p.dot(p).max(q.dot(q)).max(opposite.dot(opposite));
-            let vanishes =
-                (index.at_most(at) & at.at_most(index)) | (index.at_most(before) & before.at_most(index));
+            let vanishes = (index.at_most(at) & at.at_most(index)) | (index.at_most(before) & before.at_most(index));
             upright &= (legality::keep_upright(area, p.cross(q), longest) | vanishes).all();
             index = index + Lanes::splat(WIDTH as f32);
         }
