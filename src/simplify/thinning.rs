@@ -14,7 +14,7 @@ use super::legality;
 use super::quadric::{QuadricLanes, Vec3, larger, smaller};
 use super::topology::{NONE, Vertex};
 use super::vertex_kind::VertexKind;
-use super::{Collapse, Layout, PlacementRule, Simplifier, Stage, StopReason, prepare};
+use super::{Collapse, Layout, PlacementRule, Simplifier, Stage, StopReason, limit_of, prepare};
 use crate::mesh::Mesh;
 
 /// Fewest and most triangles at a vertex that vanishes.
@@ -217,15 +217,18 @@ impl Simplifier {
             return false;
         }
         let stride = (count / SAMPLES).max(8);
+        // Below this threshold nothing is: the vertices only get their keys, unless they may not go just now.
+        self.threshold = -1.0;
         let mut costs = Vec::with_capacity(count / stride + 1);
         for at in (0..count).step_by(stride) {
-            let cost = self.star(self.live[at]).map(|star| star.choose().cost);
-            costs.extend(cost.filter(|&cost| cost < f32::INFINITY));
+            let v = self.live[at];
+            self.keys[v as usize] = -1.0;
+            self.visit_star(v);
+            costs.extend(Some(self.keys[v as usize]).filter(|cost| (0.0..f32::INFINITY).contains(cost)));
         }
         if costs.is_empty() {
             return false;
         }
-        costs.sort_unstable_by(f32::total_cmp);
         let missing = (self.topology.live_triangle_count - self.thinning.goal).div_ceil(2);
         let left = missing as f32 / count as f32;
         let share = if left < LAST_SHARE {
@@ -235,8 +238,7 @@ impl Simplifier {
             self.thinning.stride = 1;
             smaller(self.tuning().thin_share, left * 1.3)
         };
-        let at = ((costs.len() as f32 * share) as usize).min(costs.len() - 1);
-        self.threshold = costs[at];
+        self.threshold = limit_of(costs.iter().copied(), (costs.len() as f32 * share) as usize + 1);
         self.thinning.removed = 0;
         self.thinning.hoped = missing.min((share * count as f32) as usize);
         self.thinning.next = 0;
@@ -270,7 +272,7 @@ impl Simplifier {
     }
 
     /// Merges `v` if that costs less than the threshold; otherwise gives it a key.
-    #[inline(always)]
+    #[inline(never)]
     fn visit_star(&mut self, v: u32) {
         let Some(star) = self.star(v) else {
             // A vertex with three triangles may have more some day.
@@ -281,7 +283,7 @@ impl Simplifier {
         };
         let choice = star.choose();
         if choice.cost > self.threshold {
-            self.keys[v as usize] = smaller(choice.cost, BLOCKED * self.threshold);
+            self.keys[v as usize] = if choice.cost < f32::INFINITY { choice.cost } else { BLOCKED * self.threshold };
         } else if !self.merge_star(v, &star, &choice) {
             self.keys[v as usize] = 2.0 * self.threshold;
         }
