@@ -192,14 +192,9 @@ impl Preparation {
             {
                 // The usual case: a manifold vertex with up to eight triangles.
                 topology.set_short_ring(v, &ring, fan.len());
-                if bare {
-                    continue;
+                if !bare {
+                    take_quadric(topology, polylines, keys, v, corners);
                 }
-                let own = topology.vertices[v as usize].position();
-                let around = Around::of(topology, own, &ring[..fan.len()]);
-                let quadric = around.planes();
-                topology.vertices[v as usize].packed.set_quadric(&quadric);
-                around.spread_costs(&quadric, v, &ring[..fan.len()], keys);
                 continue;
             }
             corners.clear();
