@@ -125,7 +125,7 @@ impl Preset {
         match self {
             Self::Fast => Tuning {
                 thin_above: 1.75,
-                thin_share: 0.75,
+                thin_share: 0.7,
                 octaves: 4,
                 contract_below: 4.0,
                 contract_above: 1,

@@ -193,7 +193,7 @@ impl Preparation {
                 // The usual case: a manifold vertex with up to eight triangles.
                 topology.set_short_ring(v, &ring, fan.len());
                 if !bare {
-                    take_quadric(topology, polylines, keys, v, corners);
+                    take_quadric(topology, polylines, keys, v, &[]);
                 }
                 continue;
             }
@@ -229,13 +229,13 @@ impl Preparation {
     }
 }
 
-/// The quadric and first keys of a vertex that has a ring; `corners` is a buffer.
+/// The quadric and first keys of a vertex that has a ring; its triangles are only looked at if that is not short and closed.
 pub(super) fn take_quadric(
     topology: &mut Topology,
     polylines: &Polylines,
     keys: &mut [f32],
     v: u32,
-    corners: &mut Vec<Corner>,
+    corners: &[Corner],
 ) {
     let vertex = &topology.vertices[v as usize];
     let (own, form, ring) = (vertex.position(), vertex.form(), topology.ring(v));
@@ -243,8 +243,6 @@ pub(super) fn take_quadric(
     let mut quadric = if let (Form::Closed, Some(around)) = (form, &around) {
         around.planes()
     } else {
-        corners.clear();
-        topology.corners(v, corners);
         let plane = |c: &Corner| Quadric::of_triangle(topology.area_vector(own, c.next, c.previous));
         corners.iter().map(plane).fold(Quadric::default(), |sum, plane| sum + plane)
     };

@@ -159,7 +159,9 @@ impl Simplifier {
         for v in range {
             if topology.vertices[v].ring_length() > 0 {
                 topology.refresh(v as u32, &mut patch.builder);
-                prepare::take_quadric(topology, polylines, keys, v as u32, &mut corners);
+                corners.clear();
+                topology.corners(v as u32, &mut corners);
+                prepare::take_quadric(topology, polylines, keys, v as u32, &corners);
             }
         }
     }
@@ -236,7 +238,7 @@ impl Simplifier {
             LAST_QUANTILE
         } else {
             self.thinning.stride = 1;
-            smaller(self.tuning().thin_share, left * 1.3)
+            smaller(self.tuning().thin_share, left * 1.15)
         };
         self.threshold = limit_of(costs.iter().copied(), (costs.len() as f32 * share) as usize + 1);
         self.thinning.removed = 0;
