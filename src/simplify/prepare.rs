@@ -169,14 +169,14 @@ impl Preparation {
         self.triangles.len()
     }
 
-    /// Rings, kinds, quadrics and first keys of the vertices in the range.
+    /// Rings, kinds, and unless they are to be `bare` quadrics and first keys, of the vertices in the range.
     pub(super) fn build_rings(
         &mut self,
         range: Range<usize>,
         topology: &mut Topology,
         polylines: &mut Polylines,
         keys: &mut [f32],
-        lock_border: bool,
+        (lock_border, bare): (bool, bool),
     ) {
         let Self { triangles, wedges, groups, charts, fans, starts, corners, ring, lines, .. } = self;
         let chart_at = |t: u32, v: u32| {
@@ -192,11 +192,9 @@ impl Preparation {
             {
                 // The usual case: a manifold vertex with up to eight triangles.
                 topology.set_short_ring(v, &ring, fan.len());
-                let own = topology.vertices[v as usize].position();
-                let around = Around::of(topology, own, &ring[..fan.len()]);
-                let quadric = around.planes();
-                topology.vertices[v as usize].packed.set_quadric(&quadric);
-                around.spread_costs(&quadric, v, &ring[..fan.len()], keys);
+                if !bare {
+                    take_quadric(topology, polylines, keys, v, &[]);
+                }
                 continue;
             }
             corners.clear();
@@ -221,31 +219,47 @@ impl Preparation {
             };
             let kind = vertex_kind::classify(form, ring, corners, lock_border, is_seam, lines);
             topology.vertices[v as usize].kind = kind;
-            let own = topology.vertices[v as usize].position();
-            let around = if ring.ring.len() <= NEAR { Some(Around::of(topology, own, &ring.ring)) } else { None };
-            let mut quadric = if let (Form::Closed, Some(around)) = (form, &around) {
-                around.planes()
-            } else {
-                let plane = |c: &Corner| Quadric::of_triangle(topology.area_vector(own, c.next, c.previous));
-                corners.iter().map(plane).fold(Quadric::default(), |sum, plane| sum + plane)
-            };
             if !lines.is_empty() {
                 polylines.set(v, lines, topology.vertices.len());
-                quadric += polylines.quadric(topology, v);
             }
-            topology.vertices[v as usize].packed.set_quadric(&quadric);
-            if let (true, Some(around)) = (form != Form::Parts, &around) {
-                around.spread_costs(&quadric, v, &ring.ring, keys);
-            } else {
-                for &w in ring.ring.iter().filter(|&&w| w != NONE) {
-                    let cost = quadric.error_at(topology.vertices[w as usize].position() - own);
-                    for end in [v, w] {
-                        keys[end as usize] = smaller(keys[end as usize], cost);
-                    }
-                }
+            if !bare {
+                take_quadric(topology, polylines, keys, v, corners);
             }
         }
     }
+}
+
+/// The quadric and first keys of a vertex that has a ring; its triangles are only looked at if that is not short and closed.
+pub(super) fn take_quadric(
+    topology: &mut Topology,
+    polylines: &Polylines,
+    keys: &mut [f32],
+    v: u32,
+    corners: &[Corner],
+) {
+    let vertex = &topology.vertices[v as usize];
+    let (own, form, ring) = (vertex.position(), vertex.form(), topology.ring(v));
+    let around = if ring.len() <= NEAR { Some(Around::of(topology, own, ring)) } else { None };
+    let mut quadric = if let (Form::Closed, Some(around)) = (form, &around) {
+        around.planes()
+    } else {
+        let plane = |c: &Corner| Quadric::of_triangle(topology.area_vector(own, c.next, c.previous));
+        corners.iter().map(plane).fold(Quadric::default(), |sum, plane| sum + plane)
+    };
+    if !polylines.of(v).is_empty() {
+        quadric += polylines.quadric(topology, v);
+    }
+    if let (true, Some(around)) = (form != Form::Parts, &around) {
+        around.spread_costs(&quadric, v, ring, keys);
+    } else {
+        for &w in ring.iter().filter(|&&w| w != NONE) {
+            let cost = quadric.error_at(topology.vertices[w as usize].position() - own);
+            for end in [v, w] {
+                keys[end as usize] = smaller(keys[end as usize], cost);
+            }
+        }
+    }
+    topology.vertices[v as usize].packed.set_quadric(&quadric);
 }
 
 /// The ring of a vertex with three to eight triangles, if they make one cycle.

@@ -145,6 +145,34 @@ impl Topology {
         &self.slots[start..start + vertex.ring_length as usize]
     }
 
+    /// Whether `v` has a closed ring of at most eight in the block it was made with.
+    pub(super) fn is_short(&self, v: u32) -> bool {
+        let vertex = &self.vertices[v as usize];
+        let own = vertex.block == LEAST_BLOCK && vertex.ring_start == v << LEAST_BLOCK;
+        own && vertex.form == Form::Closed && (3..=8).contains(&vertex.ring_length)
+    }
+
+    /// The block that `v` was made with.
+    #[inline(always)]
+    pub(super) fn first_block(&mut self, v: u32) -> Option<&mut [u32; 8]> {
+        self.slots.get_mut((v as usize) << LEAST_BLOCK..)?.first_chunk_mut()
+    }
+
+    /// Of a short ring that was changed in its block: its length, 0 if the vertex is gone, and the error there.
+    pub(super) fn settle_short(&mut self, v: usize, length: u32, error_squared: f32) {
+        let vertex = &mut self.vertices[v];
+        (vertex.ring_length, vertex.error_squared) = (length, error_squared);
+        if length == 0 {
+            self.free[usize::from(LEAST_BLOCK)].push(vertex.ring_start);
+        }
+    }
+
+    /// Vertex `v` went into another.
+    #[inline(always)]
+    pub(super) fn note_merge(&mut self, v: u32, into: u32) {
+        self.merged_into[v as usize] = into;
+    }
+
     /// The wedges that go with [`Topology::ring`].
     #[inline(always)]
     pub(super) fn ring_wedges(&self, v: u32) -> &[u32] {
