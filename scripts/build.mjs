@@ -118,7 +118,7 @@ async function buildWasm({ env, wasmBindgen }) {
   mkdirSync(made);
   await Promise.all(VARIANTS.map(({ name, optimizerFlags }) => must(process.execPath, [
     at('node_modules', 'binaryen', 'bin', 'wasm-opt'), join(work, name, 'decimesh_bg.wasm'), '-o', join(made, `decimesh_${name}.wasm`),
-    '-O1', '--strip-debug', '--strip-producers', ...DEFAULT_FEATURES, ...optimizerFlags,
+    '-Os', '--strip-debug', '--strip-producers', ...DEFAULT_FEATURES, ...optimizerFlags,
   ])));
   for (const file of ['decimesh.js', 'decimesh.d.ts']) renameSync(join(simd, file), join(made, file));
   checkSizes(made);
