@@ -135,7 +135,7 @@ impl Preset {
                 fit_above: 1,
             },
             Self::Balanced => Tuning {
-                thin_above: 16.0,
+                thin_above: 0.0,
                 thin_share: 0.4,
                 octaves: 3,
                 contract_below: 0.0,
