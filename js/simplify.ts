@@ -119,6 +119,23 @@ export class MeshSequence {
   }
 }
 
+/** What targets refer to. The diagonal is asked for when one does: the engine goes through all triangles for it. */
+class MeshScale implements Scale {
+  readonly triangles: number;
+  readonly #summary: () => string;
+  #diagonal: number | undefined;
+
+  constructor(triangles: number, summary: () => string) {
+    this.triangles = triangles;
+    this.#summary = summary;
+  }
+
+  get diagonal(): number {
+    this.#diagonal ??= (JSON.parse(this.#summary()) as Scale).diagonal;
+    return this.#diagonal;
+  }
+}
+
 /** A mesh in the engine whose simplification has begun. */
 class MeshRun {
   readonly scale: Scale;
@@ -142,8 +159,8 @@ class MeshRun {
         this.#attributes.map(({ values }) => values),
       ),
     );
+    this.scale = new MeshScale(Math.floor((indices?.length ?? positions.length / 3) / 3), () => this.#model.call((model) => model.summary()));
     try {
-      this.scale = JSON.parse(this.#model.call((model) => model.summary())) as Scale;
       this.request = { ...resolveRequest(options, this.scale), everyLevel };
       this.limit = { milliseconds: options.timeBudget, stop: () => this.#model.call((model) => model.stopSimplify()) };
       const { weights, locked } = options;

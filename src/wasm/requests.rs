@@ -76,13 +76,13 @@ impl SimplifyRequest {
             targets.push((ratio * mesh.triangles.len() as f64).floor());
         }
         let mut max_error = f64::INFINITY;
-        for (place, error, unit) in
-            [("error", self.error, 1.0), ("errorRelative", self.error_relative, mesh.diagonal())]
-        {
+        for (place, error) in [("error", self.error), ("errorRelative", self.error_relative)] {
             if let Some(error) = error {
                 if error.is_nan() || error < 0.0 {
                     return invalid(place, "must be a number of at least 0");
                 }
+                // The diagonal takes a pass over all triangles.
+                let unit = if place == "error" { 1.0 } else { mesh.diagonal() };
                 max_error = max_error.min(error * unit);
             }
         }
