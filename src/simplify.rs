@@ -124,7 +124,7 @@ impl Preset {
     fn tuning(self) -> Tuning {
         match self {
             Self::Fast => Tuning {
-                thin_above: 1.5,
+                thin_above: 2.5,
                 thin_share: 0.7,
                 octaves: 4,
                 contract_below: 4.0,
