@@ -86,7 +86,7 @@ pub enum PlacementRule {
 /// Time against quality.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Preset {
-    /// The sweep alone.
+    /// Where only positions count, thinning by half-edges first; then the sweep alone.
     Fast,
     /// The sweep, and one round of fitting where it pays.
     #[default]

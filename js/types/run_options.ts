@@ -2,8 +2,9 @@
 import type { Targets } from './levels.js';
 
 /**
- * Time against quality. `'fast'` collapses edges and no more; `'balanced'` then fits the remaining vertices to the
- * original surface, one round where it pays; `'best'` takes finer sweeps and three rounds of fitting.
+ * Time against quality. `'fast'` collapses edges and no more, and merges vertices where they are as long as there are far more
+ * than wanted; `'balanced'` fits the remaining vertices to the original surface, one round where it pays; `'best'` takes finer
+ * sweeps and three rounds of fitting.
  */
 export type Preset = 'fast' | 'balanced' | 'best';
 
