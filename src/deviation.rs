@@ -31,6 +31,7 @@ use farthest::{Candidate, Farthest, climb};
 use map::DistanceMap;
 use sampling::{Sample, SampleKind, Sampler, Spacing};
 use surface::Surface;
+use triangle::Point;
 
 /// How to measure.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -333,16 +334,18 @@ impl DeviationMeter {
                     let there = (&opposite.corners[at], &opposite.wedges[at]);
                     comparison.add(side, point, here, there, kind == SampleKind::Face);
                 }
-                let (part, sample_triangle) = (walk.part, triangle as u32);
-                let candidate =
-                    Candidate { distance, part, triangle: sample_triangle, nearest: nearest.triangle, point };
-                walk.farthest.offer(candidate, sums.max);
+                walk.farthest.offer(
+                    Candidate {
+                        distance,
+                        part: walk.part,
+                        triangle: triangle as u32,
+                        nearest: nearest.triangle,
+                        point,
+                    },
+                    sums.max,
+                );
                 if let Some(map) = &mut self.map {
-                    // Either way it is a triangle of the simplified surface that is marked.
-                    let (surface, triangle) =
-                        if side == 0 { (other, nearest.triangle as usize) } else { (mine, triangle) };
-                    let way = surface.walkway(scale);
-                    map.mark(point, &way.corners[triangle], &way.wedges[triangle], distance);
+                    mark(map, side, point, distance, (mine, triangle), (other, nearest.triangle as usize));
                     if let (1, SampleKind::Vertex(wedge)) = (side, kind) {
                         map.put(wedge, distance);
                     }
@@ -382,9 +385,7 @@ impl DeviationMeter {
         sums.samples += u64::from(peak.places);
         sums.max = sums.max.max(distance);
         if let Some(map) = &mut self.map {
-            let (surface, at) = if side == 0 { (other, peak.nearest.triangle) } else { (mine, triangle) };
-            let (way, at) = (surface.walkway(scale), at as usize);
-            map.mark(peak.point, &way.corners[at], &way.wedges[at], distance);
+            mark(map, side, peak.point, distance, (mine, triangle as usize), (other, peak.nearest.triangle as usize));
         }
         peak.places as usize + peak.nodes as usize / NODES_PER_QUERY
     }
@@ -401,6 +402,21 @@ impl DeviationMeter {
             }
         }
     }
+}
+
+/// Marks a distance measured from `side` on the map, at one of two triangles that are each other's nearest: either way it
+/// is that of the simplified surface.
+fn mark(
+    map: &mut DistanceMap,
+    side: usize,
+    point: Point,
+    distance: f64,
+    from: (&Surface, usize),
+    to: (&Surface, usize),
+) {
+    let (surface, triangle) = if side == 0 { to } else { from };
+    let way = surface.walkway(1.0);
+    map.mark(point, &way.corners[triangle], &way.wedges[triangle], distance);
 }
 
 impl Sums {

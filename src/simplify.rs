@@ -100,8 +100,6 @@ pub enum Preset {
 struct Tuning {
     /// Before the sweep, vertices go by half-edges down to so many times the target's triangles; 0: none.
     thin_above: f32,
-    /// Share of the vertices that are below the threshold of such a sweep.
-    thin_share: f32,
     /// Octaves of the cost from one threshold to the next. 1, 2, 3 and 4 give the same error within
     /// 1 %, and 4 takes a quarter less work than 1: fewer visits are in vain.
     octaves: i32,
@@ -125,7 +123,6 @@ impl Preset {
         match self {
             Self::Fast => Tuning {
                 thin_above: 2.5,
-                thin_share: 0.7,
                 octaves: 4,
                 contract_below: 4.0,
                 contract_above: 1,
@@ -136,7 +133,6 @@ impl Preset {
             },
             Self::Balanced => Tuning {
                 thin_above: 0.0,
-                thin_share: 0.4,
                 octaves: 3,
                 contract_below: 0.0,
                 contract_above: 4,
@@ -147,7 +143,6 @@ impl Preset {
             },
             Self::Best => Tuning {
                 thin_above: 0.0,
-                thin_share: 0.0,
                 octaves: 1,
                 contract_below: 0.0,
                 contract_above: 0,

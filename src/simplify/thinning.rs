@@ -39,6 +39,9 @@ const WHOLLY_FROM: f64 = 0.7;
 /// Costs that the threshold is a quantile of.
 const SAMPLES: usize = 1024;
 
+/// Share of the vertices that are below the threshold of a sweep, but for the last.
+const SHARE: f32 = 0.7;
+
 /// When less than this share of the vertices is to go, just as many are visited as that takes, all over the mesh.
 const LAST_SHARE: f32 = 0.125;
 
@@ -238,7 +241,7 @@ impl Simplifier {
             LAST_QUANTILE
         } else {
             self.thinning.stride = 1;
-            smaller(self.tuning().thin_share, left * 1.15)
+            smaller(SHARE, left * 1.15)
         };
         self.threshold = limit_of(costs.iter().copied(), (costs.len() as f32 * share) as usize + 1);
         self.thinning.removed = 0;

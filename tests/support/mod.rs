@@ -13,6 +13,7 @@ use decimesh::collapse_sequence::CollapseSequence;
 use decimesh::deviation::{Deviation, DeviationOptions, SideDeviation, measure};
 use decimesh::lod::{self, Level, LevelMesh};
 use decimesh::mesh::{Attribute, Blend, Mesh};
+use decimesh::simplify::{Simplifier, SimplifyOptions};
 
 /// A seeded generator (Steele, Lea & Flood 2014, SplitMix64) for meshes with noise.
 pub struct Noise(pub u64);
@@ -211,6 +212,22 @@ pub fn check_level(name: &str, original: &Mesh, level: &LevelMesh, closed: bool)
         assert_eq!(after.border_edges, 0, "{name}: opened");
         assert_eq!(after.euler, before.euler, "{name}: topology changed");
     }
+}
+
+/// The record of a run in steps of so much work, whose progress never falls and ends at 1.
+pub fn simplify_in_steps(mesh: &Mesh, options: &SimplifyOptions, work: usize) -> CollapseSequence {
+    let mut run = Simplifier::new(mesh, options).unwrap();
+    let mut last = -1.0;
+    loop {
+        let progress = run.step(mesh, work);
+        assert!(progress.fraction >= last, "progress falls from {last} to {}", progress.fraction);
+        last = progress.fraction;
+        if progress.done {
+            break;
+        }
+    }
+    assert_eq!(last, 1.0);
+    run.finish()
 }
 
 /// The record itself: errors never fall, counts always do.
